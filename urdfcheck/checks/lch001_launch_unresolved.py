@@ -70,19 +70,23 @@ def _check_description(
     if obstacle.kind == "package":
         package = launch.finder.find_package_of(path.absolute())
         checkout, is_submodule = propose_checkout(obstacle.name, launch.finder)
-        lacking = " (its submodule is not checked out)" if is_submodule else ""
         if _is_in_rosbuild_package(description.file, launch.finder):
             yield build_unknown(f"rosbuild finds package {obstacle.name!r} only in a folder of this name")
         elif package is None or obstacle.name not in package.dependencies:
             near = _format_suggestions(_suggest_packages(launch, description, obstacle.name, package))
             repair = f"correct the package name{near}, or declare it in package.xml"
             if is_submodule:
-                near, repair = lacking, f"{checkout}, and declare it in package.xml"
+                near, repair = " (its submodule is not checked out)", f"{checkout}, and declare it in package.xml"
             elif checkout:
                 repair = f"{checkout}; otherwise {repair}"
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near, repair=repair)
         else:
-            yield build_unknown(f"package {obstacle.name!r} is not installed here{lacking}")
+            lack = (
+                "its submodule is not checked out"
+                if is_submodule
+                else f"package {obstacle.name!r} is not installed here"
+            )
+            yield build_unknown(lack)
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
         if obstacle.name not in names:

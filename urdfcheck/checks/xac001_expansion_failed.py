@@ -311,7 +311,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
     names_package = _names_package(failure)
     correction = _PATH_REPAIR if names_package else f"{_PATH_REPAIR}; {_RELATIVE_HINT}"
-    if package is not None and len(namesakes) == 1:
+    if package is not None and elsewhere is None and len(namesakes) == 1:
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
         correction = f"write `$(find {package.name})/{place}` if that is the one, or {_PATH_REPAIR}"

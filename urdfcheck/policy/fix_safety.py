@@ -58,7 +58,7 @@ def lead_to_xacro(finding: Finding, sources: Mapping[str, str]) -> Finding:
     if fix is None or span is None or span.file not in sources:
         return finding
     here = f"xacro generated this file from {sources[span.file]}: edit that if it is wrong too, and generate again"
-    return replace(finding, fix=Fix(f"{fix.title}; {here}"))
+    return replace(finding, fix=Fix(f"{fix.title} ({here})"))
 
 
 def _get_edit_key(finding: Finding, edit: Edit) -> tuple[str, str, Edit]:

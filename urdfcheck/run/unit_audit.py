@@ -48,7 +48,7 @@ from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_c
 from urdfcheck.source.load import Source, load_source, read_xacro_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
-from urdfcheck.source.package.similar_files import find_file_elsewhere
+from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
@@ -516,13 +516,20 @@ class _UnitAudit:
         )
 
     def find_xacro_sources(self, names: Iterable[str]) -> dict[str, str]:
-        """Return the paths from those of these files of the model that xacro wrote to their sources, as far as they are found."""
+        """Return the paths from those of these files of the model that xacro wrote to their sources, as far as these are here.
+
+        Where several files may be the source, it is the name that they share.
+        """
+        sources: dict[str, str] = {}
         source = self.source
-        if source is None:
-            return {}
-        made = {name: read_xacro_source(file.text) for name, file in source.files.items() if name in names}
-        found = {n: find_file_elsewhere(path, Path(n), source.finder) for n, path in made.items() if path is not None}
-        return {n: Path(os.path.relpath(p, Path(n).parent)).as_posix() for n, p in found.items() if p is not None}
+        for name, file in () if source is None else source.files.items():
+            written = read_xacro_source(file.text) if name in names else None
+            found = [] if source is None or written is None else find_files_elsewhere(written, file.path, source.finder)
+            if len(found) == 1:
+                sources[name] = Path(os.path.relpath(found[0], file.path.parent)).as_posix()
+            elif found:
+                sources[name] = found[0].name
+        return sources
 
     def read_named_files(self) -> set[str]:
         """Return the names of the files that findings point into, and read those that no check has read."""

@@ -129,20 +129,26 @@ def read_defined_macros(files: Iterable[Path], finder: PackageFinder) -> dict[st
     return macros
 
 
-def find_file_elsewhere(written: str, user: Path, finder: PackageFinder) -> Path | None:
-    """Return the file that a path of another machine means: one of its name in the package of ``user``, else in the project.
+def find_files_elsewhere(written: str, user: Path, finder: PackageFinder) -> list[Path]:
+    """Return the files that a path of another machine may mean: those of its name in the package of the file that has the path.
 
-    ``user``: the file that has the path. Of several it is the one in folders of the same names; None if several are as like.
+    Of several those count whose folders are the most like. Without one it is the only file of the project that is in a folder
+    of that name, too; where there is no package, the folder's name does not matter.
+
+    :param user: the file that has the path.
     """
     there, own = PureWindowsPath(written), user.absolute()
     package = finder.find_package_of(own)
-    for root in ([] if package is None else [package.path]) + [find_project_folder(user)]:
+    project = find_project_folder(user)
+    for root in [project] if package is None else [package.path, project]:
         named = [path for path in index_files([root]).get(there.name.lower(), []) if path.name == there.name]
         likeness = {p: _count_like_parts(p.parts, there.parts) for p in named if p != own and finder.can_open(p)}
         best = [path for path, number in likeness.items() if number == max(likeness.values())]
-        if best:
-            return best[0] if len(best) == 1 else None
-    return None
+        if best and package is not None and root == package.path:
+            return best
+        if len(best) == 1 and (package is None or likeness[best[0]] > 1):
+            return best
+    return []
 
 
 def _count_like_parts(one: Sequence[str], other: Sequence[str]) -> int:
