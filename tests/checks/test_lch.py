@@ -58,6 +58,9 @@ def test_a_package_in_a_submodule_that_is_not_checked_out(tmp_path: Path, path: 
     (finding,) = find_in_package(tmp_path, load("$(find q)/r.urdf"), "LCH001")
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+    depend = "<depend>q</depend>"
+    (declared,) = find_in_package(tmp_path / "declared", load("$(find q)/r.urdf"), "LCH001", depend=depend)
+    assert ("(the submodule of package 'q' is not checked out)" in declared.message) == (path == "q")
 
 
 def load(path: str) -> str:

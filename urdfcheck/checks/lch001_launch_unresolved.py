@@ -81,12 +81,8 @@ def _check_description(
                 repair = f"{checkout}; otherwise {repair}"
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near, repair=repair)
         else:
-            lack = (
-                "its submodule is not checked out"
-                if is_submodule
-                else f"package {obstacle.name!r} is not installed here"
-            )
-            yield build_unknown(lack)
+            lack = f"the submodule of package {obstacle.name!r} is not checked out"
+            yield build_unknown(lack if is_submodule else f"package {obstacle.name!r} is not installed here")
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
         if obstacle.name not in names:
