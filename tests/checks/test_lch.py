@@ -42,6 +42,27 @@ def only(run: Run) -> list[Finding]:
 # -- LCH001 ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize(
+    ("path", "repair"),
+    [
+        ("q", "check out its submodule: `git submodule update --init q`, and declare it in package.xml"),
+        (
+            "l",
+            "if it is in a submodule (l), check that out: `git submodule update --init`; otherwise correct the package",
+        ),
+    ],
+)
+def test_a_package_in_a_submodule_that_is_not_checked_out(tmp_path: Path, path: str, repair: str) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / ".gitmodules").write_text(f'[submodule "a"]\n  path = {path}\n')
+    (finding,) = find_in_package(tmp_path, load("$(find q)/r.urdf"), "LCH001")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    depend = "<depend>q</depend>"
+    (declared,) = find_in_package(tmp_path / "declared", load("$(find q)/r.urdf"), "LCH001", depend=depend)
+    assert ("(the submodule of package 'q' is not checked out)" in declared.message) == (path == "q")
+
+
 def load(path: str) -> str:
     return f'<param name="robot_description" textfile="{path}"/>'
 

@@ -126,6 +126,31 @@ def test_package_that_the_expansion_needs(tmp_path: Path, depends: str, explicit
     assert run.models[0].status == "failed"
 
 
+@pytest.mark.parametrize("depends", ["", "q"])
+@pytest.mark.parametrize(
+    ("path", "held", "hint", "repair"),
+    [
+        (
+            "lib/q",
+            "",
+            " (its submodule is not checked out)",
+            "check out its submodule: `git submodule update --init lib/q`.",
+        ),
+        ("lib", "", "", "if it is in a submodule (lib), check that out: `git submodule update --init`; otherwise "),
+        ("lib", "lib/README.md", "", ""),
+        ("../q", "", "", ""),  # out of reach
+    ],
+)
+def test_a_package_may_be_in_a_submodule_that_is_not_checked_out(
+    tmp_path: Path, depends: str, path: str, held: str, hint: str, repair: str
+) -> None:
+    write(tmp_path, {".gitmodules": f'[submodule "q"]\n\tpath = {path}\n\turl = u\n', **({held: ""} if held else {})})
+    finding = only(audit(package(tmp_path, depends=depends), make_mesh_link("a", "package://q/a.stl")))
+    assert finding.fix is not None
+    assert f"package q is not {'installed here' if depends else 'found'}{hint}, " in finding.message
+    assert finding.fix.title.startswith(repair or ("install" if depends else "correct"))
+
+
 def test_visual_and_collision_of_one_missing_file_are_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/b.stl")
     finding = only(
@@ -473,6 +498,10 @@ def findings(folder: Path, code: str) -> list[Finding]:
         ("launch/a.launch.py", "share = get_package_share_directory('gone')", True),
         ("launch/a.launch.py", "FindPackageShare(package='gone')", True),
         ("launch/a.launch.py", "# FindPackageShare('gone')", False),
+        ("launch/a.launch.py", "path = 'package://gone/a.stl'", True),
+        ("launch/a.launch.py", "print('package://gone/a.stl')", False),
+        ("launch/a.launch.py", "print(get_package_share_directory('gone'))", True),
+        ("launch/a.launch.py", 'def f():\n    """Find.\n\n    package://gone/a.stl\n    """', False),
         ("launch/a.launch.py", "try:\n    get_package_share_directory('gone')\nexcept Exception:\n    pass", False),
         ("launch/a.launch.py", "try:\n    get_package_share_directory('gone')\nexcept Exception:\n    raise", True),
         ("launch/a.launch.py", "try:\n    pass\nexcept Exception:\n    get_package_share_directory('gone')", True),

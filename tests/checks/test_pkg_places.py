@@ -186,6 +186,35 @@ def test_the_line_for_setup_py_names_no_folder(tmp_path: Path, beside: str, repa
     assert finding.fix.title.endswith(repair) or "start" in repair
 
 
+@pytest.mark.parametrize(
+    ("head", "line"),
+    [
+        ("", "('share/p/rviz', glob('rviz/*'))` (it needs `from glob import glob`)"),
+        (
+            "package_name = 'p'\n",
+            "('share/' + package_name + '/rviz', glob('rviz/*'))` (it needs `from glob import glob`)",
+        ),
+        ("import os, glob\n", "(os.path.join('share', 'p', 'rviz'), glob.glob('rviz/*'))`"),
+        (
+            "import os\nfrom glob import glob\npackage_name = 'p'\n",
+            "(os.path.join('share', package_name, 'rviz'), glob('rviz/*'))`",
+        ),
+    ],
+)
+def test_the_line_for_setup_py_uses_what_it_imports(tmp_path: Path, head: str, line: str) -> None:
+    build = "<export><build_type>ament_python</build_type></export>"
+    write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')
+    setup = "from setuptools import setup\nsetup(name='p', data_files=[('share/p/launch', ['launch/a.launch.xml'])])\n"
+    write(tmp_path, "setup.py", text=head + setup)
+    write(tmp_path, "rviz/a.rviz")
+    launch = '<launch><arg name="r" default="$(find-pkg-share p)/rviz/a.rviz"/></launch>'
+    write(tmp_path, "launch/a.launch.xml", text=launch)
+    write(tmp_path, "urdf/r.urdf", text='<robot name="r"><link name="l"/></robot>')
+    (finding,) = check(tmp_path, codes={"PKG008"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == f"add to data_files: `{line}"
+
+
 def test_a_folder_without_meshes_loses_none(tmp_path: Path) -> None:
     build = "<export><build_type>ament_python</build_type></export>"
     write(tmp_path, "package.xml", text=f'<package format="3"><name>p</name>{build}</package>')

@@ -10,7 +10,7 @@ from builders import joint, link, robot
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Location, Severity, Span
-from urdfcheck.core.merging import merge_same_text
+from urdfcheck.core.merging import merge_alike, merge_same_text
 from urdfcheck.rules import load_rules
 
 CART = (
@@ -157,5 +157,9 @@ def test_a_text_whose_elements_want_other_numbers_has_no_edit_and_says_so() -> N
     assert merged.fix == Fix("write y 0.06; right: write y -0.06")
     (merged,) = merge_same_text([repair(side, str(n), edited=False) for n, side in enumerate(("a", "b", "c"))])
     assert merged.fix == Fix("write y 0; each of the others has its own repair")
+    elsewhere = Location("link[d]", Span("arm.xacro", 2, 1, 2, 2, 10, 11))
+    more = replace(repair("d", "4", edited=False), location=elsewhere)
+    (joined,) = merge_alike([merged, more], load_rules(), lambda finding: finding.code)
+    assert joined.fix == merged.fix  # said once
     (merged,) = merge_same_text([repair("left", "0.06"), repair("right", "0.06")])
     assert merged.fix == repair("left", "0.06").fix

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import link, robot
+from builders import find, link, robot
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Run, Severity
@@ -713,6 +713,36 @@ def test_part_that_one_copy_lacks_counts_once(tmp_path: Path) -> None:
 def test_another_robot_of_the_package_is_no_copy(tmp_path: Path) -> None:
     other = make_robot_of_mass("r", "2").replace('"l1"', '"a1"').replace('"l2"', '"a2"')
     assert not package(tmp_path, make_robot_of_mass("r", "1"), other).findings
+
+
+@pytest.mark.parametrize(
+    ("typed", "files", "hint", "repair"),
+    [
+        (
+            "$(find p)/robots/a.xacro",
+            ["a.xacro"],
+            " (p has a file of this name: a.xacro)",
+            "write `$(find p)/a.xacro` if that is the one, or correct the path",
+        ),
+        ("$(find p)/robots/a.xacro", ["x/a.xacro", "y/a.xacro"], ", nor does its folder", "correct the path"),
+        ("$(find p)/a.xacro", [], "", "correct the path"),
+        ("a.xacro", [], "", "correct the path; a relative path starts at the folder of the file that contains it"),
+        ("robots/r.urdf.xacro", [], ", nor does its folder", None),  # not the file itself
+    ],
+)
+def test_a_missing_file_is_named_where_the_package_has_it(
+    tmp_path: Path, typed: str, files: list[str], hint: str, repair: str | None
+) -> None:
+    text = f'{HEAD}<xacro:include filename="{typed}"/></robot>'
+    tree = {
+        "package.xml": "<package><name>p</name></package>",
+        "r.urdf.xacro": text,
+        **dict.fromkeys(files, "<robot/>"),
+    }
+    (finding,) = find(tmp_path / "p", tree, "XAC001", name="r.urdf.xacro")
+    assert finding.data["hint"].startswith(hint)
+    assert finding.fix is not None
+    assert repair is None or finding.fix.title == repair
 
 
 # -- what nothing uses -----------------------------------------------------------------------------------------------------

@@ -1109,6 +1109,16 @@ def test_only_the_first_element_of_a_geometry_is_its_shape(
     ("element", "severity", "repair"),
     [
         ("<surface><friction><ode><mu>10</mu></ode></friction></surface>", "warning", "<collision>…</collision>"),
+        (
+            "<collision><surface><friction><ode><mu1>1</mu1><mu2>1</mu2></ode></friction></surface></collision>",
+            "warning",
+            'move <mu1> and <mu2> directly into `<gazebo reference="l">…</gazebo>` at the end of the robot',
+        ),
+        (
+            "<collision><surface><contact><ode><kp>1</kp><minDepth>1</minDepth><soft_erp>1</soft_erp></ode></contact></surface></collision>",
+            "warning",
+            ">…</gazebo>` at the end of the robot, and <soft_erp> into <collision><surface> in it",
+        ),
         ("<surface><friction/></surface>", "info", ""),
         ("<gravity>1</gravity>", "info", ""),
         ("<pose>0 0 0 0 0 0</pose>", "info", ""),
@@ -1123,6 +1133,16 @@ def test_sdf_in_a_link_says_where_gazebo_reads_it(tmp_path: Path, element: str, 
     assert str(finding.severity) == severity
     assert finding.fix is not None
     assert repair in finding.fix.title
+
+
+def test_the_block_for_sdf_in_a_macro_names_the_link_as_it_is_typed(tmp_path: Path) -> None:
+    text = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="leg" params="side">
+    <link name="${side}_knee"><collision><surface><friction><ode><mu>1</mu></ode></friction></surface></collision></link>
+    </xacro:macro><xacro:leg side="left"/><xacro:leg side="right"/></robot>"""
+    (finding,) = check_text(tmp_path, text, name="r.urdf.xacro", codes={"XML003"}).findings
+    assert finding.fix is not None
+    block = '`<gazebo reference="${side}_knee"><collision>…</collision></gazebo>` after the link'
+    assert finding.fix.title == f"move it into {block}"
 
 
 @pytest.mark.parametrize(

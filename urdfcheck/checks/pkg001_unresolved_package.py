@@ -11,7 +11,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.package_folders import is_rosbuild_package
-from urdfcheck.source.package.similar_files import index_files
+from urdfcheck.source.package.similar_files import index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.project_folders import is_part_of_robot
 from urdfcheck.source.resources import (
@@ -60,10 +60,11 @@ def _build_finding(
     owners = _find_package_with_files(uses, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
+    checkout, is_submodule = ("", False) if here or not package else propose_checkout(package, source.finder)
     kind = "rosbuild" if _has_rosbuild_name(here, package) else "files" if uses else "expansion"
     near = (
         []
-        if declared or here
+        if declared or here or is_submodule
         else owners or source.finder.suggest_names(package, _list_wanted_files(package, uses, at, source))
     )
     evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if owners and package else ""
@@ -74,6 +75,11 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
+    repair = _describe_repair(package, here, source, declared=declared)
+    if is_submodule:
+        repair = checkout
+    elif checkout and not near:
+        repair = f"{checkout}; otherwise {repair}"
     return rule.finding(
         message,
         at=at,
@@ -86,7 +92,7 @@ def _build_finding(
         else None,
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
-        repair=_describe_repair(package, here, source),
+        repair=repair,
         remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",
         files=files,
         amount=format_count(len(files), "file"),
@@ -97,6 +103,8 @@ def _build_finding(
         hint=(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
+            else " (its submodule is not checked out)"
+            if is_submodule
             else ""
             if declared
             else _describe_own_files(source, files, here)
@@ -172,7 +180,7 @@ def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
     return bool(package) and len(folders) == 1 and all(map(is_rosbuild_package, folders))
 
 
-def _describe_repair(package: str, here: Mapping[str, Path], source: Source) -> str:
+def _describe_repair(package: str, here: Mapping[str, Path], source: Source, *, declared: bool) -> str:
     """Say how the files are found."""
     if here:
         return describe_project_path(here.values(), source)
@@ -180,6 +188,8 @@ def _describe_repair(package: str, here: Mapping[str, Path], source: Source) -> 
         return "write `package://NAME/…`, with two slashes and the package name"
     if is_part_of_robot(package) and source.package is None:
         return f"the package's name is missing before {package}: write `package://NAME/{package}/…`, or a path from this file"
+    if declared:
+        return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`"
     declare = "declare it in package.xml or " if source.package is not None else ""
     return f"correct the name; if the package is only missing here, {declare}pass `--package {shlex.quote(package)}=FOLDER`"
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
@@ -48,16 +48,16 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         project=f" (its project is {install.other_project}, so share/${{PROJECT_NAME}} is another folder)"
         if install.other_project
         else "",
-        repair=_describe_python_repair(package, folders),
+        repair=_describe_python_repair(package, folders, install.names),
         example=f"{folders[0]}{missing[folders[0]][0].subpath.lstrip('/')[len(folders[0]) :]}",
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
 
 
-def _describe_python_repair(package: Package, folders: Iterable[str]) -> str:
+def _describe_python_repair(package: Package, folders: Iterable[str], names: Mapping[str, str]) -> str:
     """Return what to write in setup.py for folders of data, and how to start what is in a folder with a Python package.
 
-    ``glob('X/*')`` would name folders in X too, with which ``data_files`` stops the build.
+    ``glob('X/*')`` would name folders in X too, with which ``data_files`` stops the build. ``names``: those that setup.py has.
     """
     modules = [name for name in folders if (package.path / name / "__init__.py").is_file()]
     data = [name for name in folders if name not in modules]
@@ -67,17 +67,33 @@ def _describe_python_repair(package: Package, folders: Iterable[str]) -> str:
         below = [inner for inner in list_subfolders(folder) if inner.name != "__pycache__"]
         # Python makes a folder in one with modules as soon as it runs them.
         is_deep = bool(below) or any(folder.glob("*.py"))
-        files = f"glob('{data[0]}/*{'.*' if is_deep else ''}')"
+        call, imported = _name_glob(names)
+        files = f"{call}('{data[0]}/*{'.*' if is_deep else ''}')"
         each = " a line for each folder" if len(data) > 1 else ""
         others = ", and a line for each of its subfolders that is read" if below else ""
-        repairs.append(
-            f"add to data_files{each}: `(os.path.join('share', package_name, '{data[0]}'), {files})`{others}"
-        )
+        place = _write_share_folder(package.name, data[0], names)
+        repairs.append(f"add to data_files{each}: `({place}, {files})`{imported}{others}")
     if modules:
         repairs.append(
             f"start what is in {join_names(modules)} by its name in console_scripts: a Python package is not in share"
         )
     return "; ".join(repairs)
+
+
+def _name_glob(names: Mapping[str, str]) -> tuple[str, str]:
+    """Return how setup.py calls glob, and the end of a repair for which it lacks the import."""
+    for name, meant in names.items():
+        if meant in {"glob", "glob.glob"}:
+            return (name if meant == "glob.glob" else f"{name}.glob"), ""
+    return "glob", " (it needs `from glob import glob`)"
+
+
+def _write_share_folder(package: str, folder: str, names: Mapping[str, str]) -> str:
+    """Write the place where a folder is installed, with what setup.py imports and assigns."""
+    name = "package_name" if "package_name" in names else repr(package)
+    if names.get("os") == "os":
+        return f"os.path.join('share', {name}, {folder!r})"
+    return f"'share/' + {name} + '/{folder}'" if "package_name" in names else f"'share/{package}/{folder}'"
 
 
 def _collect_missing_folders(package: Package, installed: InstalledFiles) -> dict[str, list[PackageMention]]:

@@ -55,7 +55,8 @@ _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
-_PATH_REPAIR = "correct the path; a relative path starts at the folder of the file that contains it"
+_PATH_REPAIR = "correct the path"
+_RELATIVE_HINT = "a relative path starts at the folder of the file that contains it"
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -304,8 +305,17 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
-    elsewhere = None if package is None else find_uninstalled_file(path, package, index_files([package.path]))
-    repair = _PATH_REPAIR
+    files = {} if package is None else index_files([package.path])
+    elsewhere = find_uninstalled_file(path, package, files)
+    read = set(map(os.path.abspath, failure.source.files))
+    namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
+    names_package = _names_package(failure)
+    correction = _PATH_REPAIR if names_package else f"{_PATH_REPAIR}; {_RELATIVE_HINT}"
+    if package is not None and elsewhere is None and len(namesakes) == 1:
+        place = namesakes[0].relative_to(package.path).as_posix()
+        near = f" ({package.name} has a file of this name: {place})"
+        correction = f"write `$(find {package.name})/{place}` if that is the one, or {_PATH_REPAIR}"
+    repair = correction
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
         repair = "write `/` for each backslash"
         near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
@@ -313,13 +323,20 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         repair, near = f"write `{typed}`", "; xacro does not know package://, which it takes for a folder"
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     if elsewhere is not None:
-        repair = f"install its folder (CMakeLists.txt or setup.py), or {_PATH_REPAIR}"
+        repair = f"install its folder (CMakeLists.txt or setup.py), or {correction}"
     elif not near and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
-        repair = f"build {package.name} first, which may make the file; if it does not, {_PATH_REPAIR}"
+        repair = f"build {package.name} first, which may make the file; if it does not, {correction}"
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _names_package(failure: _ExpansionFailure) -> bool:
+    """Whether the path that leads nowhere is typed with the name of a package."""
+    span = failure.problem.location.span
+    file = None if span is None else failure.source.files.get(span.file)
+    return span is not None and file is not None and "$(find" in file.text[span.start : span.end]
 
 
 def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:

@@ -56,6 +56,9 @@ _SDF = frozenset({
 })  # fmt: skip
 # Those of a shape: sdformat hands them to it only inside <collision> or <visual>.
 _SDF_OF_SHAPES = frozenset({"surface", "max_contacts", "laser_retro"})
+# What sdformat reads directly in <gazebo>: parts of a surface that have other names there than in SDF, and all of them.
+_URDF_OF_CONTACTS = frozenset({"mu1", "minDepth", "maxVel"})
+_OF_CONTACTS = frozenset({*_URDF_OF_CONTACTS, "mu2", "fdir1", "kp", "kd"})
 # Those of a whole model: sdformat hands them to it only from a <gazebo> without a reference.
 _SDF_OF_MODELS = {
     "plugin": "move it into a `<gazebo>` without reference; the plugin of a sensor belongs inside its <sensor>",
@@ -361,14 +364,22 @@ def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
         return _SDF_OF_MODELS[child.tag]
     around = parent if parent == "visual" else "collision"
     owner = _find_around(child, "link", "joint")
-    name = "LINK" if owner is None else owner.get("name")
-    others = ", and the others likewise" if len(places) > 1 else ""
+    # In a macro the name is another one at each call.
+    name = owner.attributes["name"].typed if owner is not None and "name" in owner.attributes else "LINK"
+    where = "after the link" if "$" in name else "at the end of the robot"
+    others = ", and the others likewise" if len({place.span for place in places}) > 1 else ""
     # In the block, sdformat writes a <gravity> of its own before this one, which then does not count.
     is_off = child.tag == "gravity" and not all(map(_holds_sdf_defaults, places))
     inside = "<turnGravityOff>true</turnGravityOff>" if is_off else "…"
     if child.tag in _SDF_OF_SHAPES:
         inside = f"<{around}>…</{around}>"
-    block = f'`<gazebo reference="{name}">{inside}</gazebo>` at the end of the robot'
+    leaves = list(dict.fromkeys(e.tag for place in places for e in place.walk() if not e.children))
+    if child.tag == "surface" and not _URDF_OF_CONTACTS.isdisjoint(leaves):
+        direct = _list_tags([tag for tag in leaves if tag in _OF_CONTACTS])
+        rest = [tag for tag in leaves if tag not in _OF_CONTACTS]
+        kept = f", and {_list_tags(rest)} into <{around}><surface> in it" if rest else ""
+        return f'move {direct} directly into `<gazebo reference="{name}">…</gazebo>` {where}{kept}{others}'
+    block = f'`<gazebo reference="{name}">{inside}</gazebo>` {where}'
     repair = f"write {block} instead{others}" if is_off else f"move it into {block}{others}"
     if child.tag in _SDF_OF_SHAPES and any(map(_is_in_named_shape, places)):
         repair += f", and delete the name of the <{around}>, with which Gazebo ignores this block (GZB003)"

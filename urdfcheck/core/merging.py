@@ -20,6 +20,8 @@ from urdfcheck.core.headlines import (
 from urdfcheck.core.text import join_names
 
 _BLOCKS = "<gazebo> blocks"
+_THE_OTHER = "; the other has its own repair"
+_EACH_OTHER = "; each of the others has its own repair"
 # The longest repair of a second place that is told beside the first one's.
 _SHORT_REPAIR = 80
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
@@ -56,7 +58,7 @@ def _agree_on_fix(group: Sequence[Finding]) -> Fix | None:
     if fix is None or all(finding.fix == fix for finding in group):
         return fix
     if _has_overlap({edit: None for finding in group if finding.fix for edit in finding.fix.edits}):
-        return Fix(fix.title + _refer_to_others(group))
+        return Fix(_refer_to_others(fix.title, group))
     return _join_fixes(group)
 
 
@@ -257,19 +259,21 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
     if len(firsts) > 1:
         title = "; elsewhere ".join(firsts.values())
     elif len({fix.title for fix in fixes}) > 1:
-        title += _refer_to_others(ordered)
+        title = _refer_to_others(title, ordered)
     return Fix(title, max((fix.applicability for fix in fixes), key=list(Applicability).index), edits)
 
 
-def _refer_to_others(ordered: Sequence[Finding]) -> str:
-    """Return the end of a repair that is another one at the other places: the other one if short, or that there are more."""
-    if len(ordered) > 2:
-        return "; each of the others has its own repair"
+def _refer_to_others(title: str, ordered: Sequence[Finding]) -> str:
+    """End a repair that is another one at the other places: with the other one if short, or with the fact that there are more."""
+    # Elements that one text makes may have been joined before.
+    alone = title.removesuffix(_EACH_OTHER).removesuffix(_THE_OTHER)
+    if len(ordered) > 2 or alone != title:
+        return alone + _EACH_OTHER
     other = ordered[1]
     name = match[1] if (match := _NAMED.match(other.subjects[0])) is not None else ""
     if name and len(other.subjects) == 1 and other.fix is not None and len(other.fix.title) <= _SHORT_REPAIR:
-        return f"; {name}: {other.fix.title}"
-    return "; the other has its own repair"
+        return f"{title}; {name}: {other.fix.title}"
+    return title + _THE_OTHER
 
 
 def _join_variants(ordered: Sequence[Finding]) -> dict[str, tuple[str, ...]]:

@@ -47,6 +47,20 @@ def mark_unsafe_across_models(findings: Iterable[Finding], users: Mapping[str, A
     ]
 
 
+def lead_to_xacro(finding: Finding, sources: Mapping[str, str]) -> Finding:
+    """Make the repair of a file that xacro wrote advice about its source: xacro overwrites an edit of the file itself.
+
+    ``sources``: the files that xacro wrote → the path from there to the file that each is made from.
+    """
+    if finding.occurrences:
+        finding = replace(finding, occurrences=tuple(lead_to_xacro(own, sources) for own in finding.occurrences))
+    fix, span = finding.fix, finding.location.span
+    if fix is None or span is None or span.file not in sources:
+        return finding
+    here = f"xacro generated this file from {sources[span.file]}: edit that if it is wrong too, and generate again"
+    return replace(finding, fix=Fix(f"{fix.title} ({here})"))
+
+
 def _get_edit_key(finding: Finding, edit: Edit) -> tuple[str, str, Edit]:
     return finding.code, finding.message_id, edit
 

@@ -20,7 +20,7 @@ from urdfcheck.core.merging import merge_same_text
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count
 from urdfcheck.policy.consumers import apply_severity_policy
-from urdfcheck.policy.fix_safety import mark_unsafe_across_models, mark_unsafe_in_model
+from urdfcheck.policy.fix_safety import lead_to_xacro, mark_unsafe_across_models, mark_unsafe_in_model
 from urdfcheck.policy.on_request import leave_out_dynamics, split_unrequested
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
@@ -159,6 +159,9 @@ def finalize_run_findings(
     units = [unit for unit, _ in audited_units]
     # Last: all before is about single texts, and each occurrence stays what it was.
     findings = merge_kinds(merge_across_models(findings, units), units)
+    sources = {name: source for _, report in audited_units for name, source in report.xacro_sources.items()}
+    # Those about several models know which of two files is the source.
+    findings = [f if "run" in rules[f.code].scopes else lead_to_xacro(f, sources) for f in findings]
     return tuple(sorted(findings, key=get_sort_key)), tuple(unrequested)
 
 

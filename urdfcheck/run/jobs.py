@@ -231,6 +231,8 @@ class UnitReport:
     """Comments that suppress findings, or would."""
     files: tuple[str, ...] = ()
     """Files that make up the model, as findings call them."""
+    xacro_sources: Mapping[str, str] = field(default_factory=dict)
+    """Those of them with findings that xacro wrote, each with the path from there to the file that it is made from."""
     srdf_files: frozenset[str] = frozenset()
     """Files that make up its semantic descriptions, if a check has read them."""
     expanded_files: frozenset[str] = frozenset()

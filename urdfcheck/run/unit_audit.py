@@ -45,9 +45,10 @@ from urdfcheck.run.shown_paths import PathShortener
 from urdfcheck.run.source_texts import RULE as TEXTS_RULE
 from urdfcheck.run.source_texts import limit_texts
 from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
-from urdfcheck.source.load import Source, load_source
+from urdfcheck.source.load import Source, load_source, read_xacro_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
 from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
+from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
 from urdfcheck.source.text.suppression_comments import find_ignore_comments
@@ -509,6 +510,7 @@ class _UnitAudit:
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
+            xacro_sources=self.find_xacro_sources({span.file for f in settled.findings if (span := f.location.span)}),
             srdf_files=self.srdf_files,
             expanded_files=frozenset() if self.source is None else frozenset(self.source.trees),
             robot_files=frozenset() if self.source is None else collect_robot_files(self.source),
@@ -516,6 +518,22 @@ class _UnitAudit:
             other_environments=tuple(self.other_environments),
             undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
         )
+
+    def find_xacro_sources(self, names: Iterable[str]) -> dict[str, str]:
+        """Return the paths from those of these files of the model that xacro wrote to their sources, as far as these are here.
+
+        Where several files may be the source, it is the name that they share.
+        """
+        sources: dict[str, str] = {}
+        source = self.source
+        for name, file in () if source is None else source.files.items():
+            written = read_xacro_source(file.text) if name in names else None
+            found = [] if source is None or written is None else find_files_elsewhere(written, file.path, source.finder)
+            if len(found) == 1:
+                sources[name] = Path(os.path.relpath(found[0], file.path.parent)).as_posix()
+            elif found:
+                sources[name] = found[0].name
+        return sources
 
     def read_named_files(self) -> set[str]:
         """Return the names of the files that findings point into, and read those that no check has read."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from collections.abc import Set as AbstractSet
-from dataclasses import replace
+from dataclasses import field, replace
 from pathlib import Path
 
 from urdfcheck.core import Edit, Location, Span
@@ -41,6 +41,9 @@ class InstallRules:
     """The package's share folder, as CMakeLists.txt can name it."""
     other_project: str = ""
     """The project of CMakeLists.txt, where that has another name than the package."""
+
+    names: Mapping[str, str] = field(default_factory=dict)
+    """The names that setup.py imports, with what each stands for, and those that it assigns."""
 
     def build_edits(self, folders: Sequence[str]) -> list[Edit]:
         """Return the edit that adds these folders to the others."""
@@ -144,7 +147,20 @@ def _read_setup_py(file: SourceFile, package: Package) -> InstallRules | None:
     installed = read_setup_installs(tree, package.name)
     if installed is None or not installed.is_complete:
         installed = _collect_names(nodes, package)
-    return InstallRules(installed=installed, at=Location("install", file.make_span(begin, end)), build_form="python")
+    at = Location("install", file.make_span(begin, end))
+    return InstallRules(installed=installed, at=at, build_form="python", names=_read_names(tree))
+
+
+def _read_names(tree: ast.Module) -> dict[str, str]:
+    """Return the names that a Python file imports, with what each stands for, and those that it assigns."""
+    names: dict[str, str] = {}
+    for node in tree.body:
+        if isinstance(node, (ast.Import, ast.ImportFrom)):
+            inside = f"{node.module}." if isinstance(node, ast.ImportFrom) else ""
+            names |= {alias.asname or alias.name: f"{inside}{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Assign):
+            names |= {target.id: target.id for target in node.targets if isinstance(target, ast.Name)}
+    return names
 
 
 def _collect_names(nodes: Sequence[ast.AST], package: Package) -> InstalledFiles:

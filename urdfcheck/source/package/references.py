@@ -59,6 +59,8 @@ _STARTED = re.compile(
     rf"<node\b[^<>]*?\bpkg\s*=\s*['\"]{_PACKAGE}['\"]|\bNode\([^()]*?\bpackage\s*=\s*['\"]{_PACKAGE}['\"]"
 )
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py")
+# What Python may print.
+_TOLD = re.compile(r"package://|\$\(find")
 # The first path that Python joins to a package's folder, and the name that it assigns the folder to before.
 _JOINED = r"""\s*(?:,|/|\+)\s*f?['"]/?([^'"{}]*)['"]"""
 _AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
@@ -220,7 +222,9 @@ def _iter_mentions(text: str, path: Path, file_name: str) -> Iterator[PackageMen
     file: SourceFile | None = None
     searched = 0
     bare = _remove_comments(text, path.suffix)
-    optional = _find_optional_lines(text) if path.suffix == ".py" and "except" in text else frozenset()
+    is_python = path.suffix == ".py"
+    optional = _find_optional_lines(text) if is_python and "except" in text else frozenset()
+    told = _find_told_lines(text) if is_python and _TOLD.search(bare) else frozenset()
     for match in _MENTION.finditer(bare):
         file = file or SourceFile(path, file_name, text=text)
         group = next(i for i in (1, 3, 5, 6) if match.group(i))
@@ -232,6 +236,8 @@ def _iter_mentions(text: str, path: Path, file_name: str) -> Iterator[PackageMen
                 continue
             name = value
         at = Location(f"package[{name}]", file.make_span(*match.span(group)))
+        if group < 5 and at.span is not None and at.span.line in told:
+            continue
         for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
             yield PackageMention(name, inside, at, at.span is not None and at.span.line in optional)
     for match in _XACRO.finditer(bare) if runs_xacro else ():
@@ -255,6 +261,18 @@ def _find_optional_lines(text: str) -> frozenset[int]:
     caught = (node for node in ast.walk(tree) if isinstance(node, ast.Try) and node.handlers)
     harmless = (node for node in caught if not any(_raises(handler) for handler in node.handlers))
     return frozenset(line for node in harmless for part in node.body for line in _list_lines(part))
+
+
+def _find_told_lines(text: str) -> frozenset[int]:
+    """Return the numbers of the lines of a Python file with texts that it prints, or that explain it."""
+    tree = parse_python(text)
+    statements = () if tree is None else (node for node in ast.walk(tree) if isinstance(node, ast.Expr))
+    told = (node for node in statements if isinstance(node.value, ast.Constant) or _is_print(node.value))
+    return frozenset(line for node in told for line in _list_lines(node))
+
+
+def _is_print(node: ast.expr) -> bool:
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
 
 
 def _raises(handler: ast.ExceptHandler) -> bool:

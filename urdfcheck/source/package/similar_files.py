@@ -5,15 +5,17 @@ from __future__ import annotations
 import difflib
 import os
 import re
-from collections.abc import Iterable, Mapping
-from itertools import islice
-from pathlib import Path
+import shlex
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice, takewhile
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
-from urdfcheck.core.text import SLIP_LIKENESS, split_name_words
+from urdfcheck.core.text import SLIP_LIKENESS, join_names, split_name_words
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.package.setup_py_installs import read_package_data
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.python import parse_python
 from urdfcheck.system.files import read_regular, walk
 
@@ -31,6 +33,8 @@ FilesByName = Mapping[str, list[Path]]
 # A macro's definition as typed, also without the prefix; so many files of a folder are read, and so much of each.
 _MACRO = re.compile(r"<(?:xacro:)?macro\s[^<>]*?\bname\s*=\s*[\"'](?:xacro:)?(\w+)[\"']")
 _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
+# The folder of a submodule in .gitmodules, of which so much is read.
+_SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
 
 
 def index_files(roots: Iterable[Path]) -> FilesByName:
@@ -123,6 +127,74 @@ def read_defined_macros(files: Iterable[Path], finder: PackageFinder) -> dict[st
             continue
         macros[path.name] = set(_MACRO.findall(text))
     return macros
+
+
+def find_files_elsewhere(written: str, user: Path, finder: PackageFinder) -> list[Path]:
+    """Return the files that a path of another machine may mean: those of its name in the package of the file that has the path.
+
+    Of several those count whose folders are the most like. Without one it is the only file of the project that is in a folder
+    of that name, too; where there is no package, the folder's name does not matter.
+
+    :param user: the file that has the path.
+    """
+    there, own = PureWindowsPath(written), user.absolute()
+    package = finder.find_package_of(own)
+    project = find_project_folder(user)
+    for root in [project] if package is None else [package.path, project]:
+        named = [path for path in index_files([root]).get(there.name.lower(), []) if path.name == there.name]
+        likeness = {p: _count_like_parts(p.parts, there.parts) for p in named if p != own and finder.can_open(p)}
+        best = [path for path, number in likeness.items() if number == max(likeness.values())]
+        if best and package is not None and root == package.path:
+            return best
+        if len(best) == 1 and (package is None or likeness[best[0]] > 1):
+            return best
+    return []
+
+
+def _count_like_parts(one: Sequence[str], other: Sequence[str]) -> int:
+    """Count the last parts that two paths share."""
+    pairs = zip(reversed(one), reversed(other), strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+
+def propose_checkout(package: str, finder: PackageFinder) -> tuple[str, bool]:
+    """Return how a package is found that may be in a submodule of git which is not checked out, and whether it is that submodule.
+
+    Nothing if all submodules are checked out.
+    """
+    missing = _list_missing_submodules(finder)
+    own = next((path for path in missing if PurePosixPath(path).name == package), None)
+    if own is not None:
+        return f"check out its submodule: `git submodule update --init {shlex.quote(own)}`", True
+    if missing:
+        return (
+            f"if it is in a submodule ({join_names(missing, 3)}), check that out: `git submodule update --init`",
+            False,
+        )
+    return "", False
+
+
+def _list_missing_submodules(finder: PackageFinder) -> list[str]:
+    """Return the submodules of the repository around the start whose folders are missing or empty, as .gitmodules has them."""
+    for folder in finder.list_parent_folders():
+        names = folder / ".gitmodules"
+        if not finder.can_open(folder / "package.xml") or names.is_symlink():  # a hidden file itself is never in reach
+            continue
+        try:
+            paths = _SUBMODULE.findall(read_regular(names, _MOST_GIT_BYTES).decode("utf-8", "replace"))
+        except OSError:
+            continue
+        return [path for path in paths if finder.can_open(folder / path) and _is_empty(folder / path)]
+    return []
+
+
+def _is_empty(folder: Path) -> bool:
+    try:
+        return not os.listdir(folder)
+    except FileNotFoundError:
+        return True
+    except OSError:
+        return False
 
 
 def describe_uninstalled_file(file: Path) -> str:
