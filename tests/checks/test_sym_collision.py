@@ -41,6 +41,15 @@ def test_the_odd_thigh_of_four_is_named_with_its_size_and_that_of_the_others(tmp
     assert finding.headline == "FL_thigh: collision is 0.32 × 0.0445 × 0.054 m, unlike 3 equal parts"
 
 
+@pytest.mark.parametrize(("drawn", "message"), [("0.33 0.05 0.06", "outvoted"), ("0.26 0.03 0.04", "size")])
+def test_the_drawing_may_contradict_the_majority(tmp_path: Path, drawn: str, message: str) -> None:
+    shapes = [collision(box("0.32 0.0445 0.054")), *(collision(box("0.25 0.028 0.04")) for _ in range(3))]
+    parts = [make_part(name, visual(box(drawn)), shape) for name, shape in zip(NAMES, shapes, strict=True)]
+    (finding,) = find_odd(tmp_path, *parts)
+    assert finding.message_id == message
+    assert ("so the others may be the wrong ones" in finding.message) == (message == "outvoted")
+
+
 @pytest.mark.parametrize("place", range(4))
 def test_each_of_four_can_be_the_odd_one(tmp_path: Path, place: int) -> None:
     parts = [make_part(n, collision(sphere(0.05 if i != place else 0.06))) for i, n in enumerate(NAMES)]

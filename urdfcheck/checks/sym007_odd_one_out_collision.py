@@ -20,7 +20,8 @@ def check(model: Model, rule: Rule, *, differ: float) -> Iterator[Finding]:
     for group in list_equal_parts(model):
         odd = find_odd_primitives(model, group, differ=differ)
         if odd is not None:
-            yield _build_finding(rule, "place" if odd.is_misplaced else "size", odd)
+            message = "place" if odd.is_misplaced else "size" if odd.is_certain else "outvoted"
+            yield _build_finding(rule, message, odd)
         both = compare_two(model, group, differ=differ)
         if both is not None and both.is_certain:
             yield _build_finding(rule, "drawn", both)

@@ -102,7 +102,14 @@ def find_odd_primitives(model: Model, group: Sequence[Link], *, differ: float) -
             if _are_drawn_differently(odd, siblings[0], is_same_size):
                 return None
             own, expected = _list_unmatched(odd.collisions, siblings[0].collisions, is_same)
-            return OddPrimitives(odd, siblings, own, expected, is_misplaced=is_same is is_same_place)
+            return OddPrimitives(
+                odd,
+                siblings,
+                own,
+                expected,
+                is_misplaced=is_same is is_same_place,
+                is_certain=not _is_nearer_to_drawing(model, odd, siblings[0]),
+            )
         if any(any(_list_unmatched(group[0].collisions, link.collisions, is_same)) for link in group[1:]):
             return None
     return None
@@ -135,6 +142,13 @@ def compare_two(model: Model, group: Sequence[Link], *, differ: float) -> OddPri
     if all(_is_box_of_drawing(model, link, differ) for link in group):
         return None
     return OddPrimitives(one, (other,), own, expected, is_misplaced=False, is_certain=is_certain)
+
+
+def _is_nearer_to_drawing(model: Model, one: Link, other: Link) -> bool:
+    """Whether the collision shapes of a link are nearer to the size of what it draws than those of an equal part."""
+    ratios = [_compare_with_drawing(model, link) for link in (one, other)]
+    errors = [abs(math.log(ratio)) for ratio in ratios if ratio is not None]
+    return len(errors) == len(ratios) and errors[0] < errors[1]
 
 
 def _compare_with_drawing(model: Model, link: Link) -> float | None:
