@@ -201,6 +201,21 @@ def test_the_com_of_a_base_that_is_bolted_down_is_not_reported(tmp_path: Path) -
     assert not find(tmp_path, arm("world"), "INR009")
 
 
+@pytest.mark.parametrize(("com", "severity"), [("-33 0.6 16", Severity.WARNING), ("-0.33 0.006 0.16", Severity.INFO)])
+def test_a_named_cause_of_a_bolted_base_counts_beyond_the_robot(tmp_path: Path, com: str, severity: Severity) -> None:
+    names = ("upper", "lower", "hand")
+    arm = [link(name, inertial(1, 0.003), visual(box("0.1 0.1 0.3"))) for name in names]
+    before = ("foot", "upper", "lower")
+    joints = [
+        joint(name, parent, name, kind="continuous", xyz="0 0 0.3", axis="0 1 0")
+        for parent, name in zip(before, names, strict=True)
+    ]
+    drawn = visual(box("0.12 0.1 0.08"), xyz="-0.038 0.0006 0.019")
+    foot = link("foot", inertial(1, com=com, ixx=0.0016, iyy=0.0021, izz=0.0025), drawn)
+    text = robot(link("world"), foot, *arm, joint("w", "world", "foot"), *joints)
+    assert one(tmp_path, text, "INR009").severity == severity
+
+
 @pytest.mark.parametrize(
     ("root", "kind", "severity"),
     [("world", "fixed", Severity.INFO), ("mount", "floating", Severity.WARNING)],

@@ -22,7 +22,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     enclosed_inertials,
     is_stand_in,
 )
-from urdfcheck.model.inertials.reach import measure_reach
+from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
 from urdfcheck.model.motion.fixed_base import list_bolted_links
@@ -68,9 +68,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())
         is_of_root = part.link.name in find_root_coms(model)
-        is_bolted = (
-            sign is None and part.link.name in list_bolted_links(model) and not _is_beyond_reach(model, distance)
-        )
+        is_bolted = sign is None and part.link.name in list_bolted_links(model) and not is_beyond_reach(model, distance)
         other_frame = "" if sign is not None or is_bolted else describe_other_frame(model, part.link)
         message = "sign" if sign is not None else "bolted" if is_bolted else "drawn" if other_frame else "outside"
         length = measure_diameter(points)
@@ -92,12 +90,6 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             evidence=other_frame,
             root=model.tree.root if is_of_root else "",
         )
-
-
-def _is_beyond_reach(model: Model, distance: float) -> bool:
-    """Whether a distance (m) is longer than the robot: no stand is so large."""
-    reach = measure_reach(model, with_shapes=True)
-    return reach is not None and distance > reach
 
 
 def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | None:

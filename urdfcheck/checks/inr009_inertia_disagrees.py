@@ -51,6 +51,7 @@ from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
+from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shared_mistakes import (
     find_disputed_units,
     find_rotated_tensors,
@@ -390,7 +391,8 @@ def _build_cause_finding(
     if message == "size":
         data["other_mass"] = f"{other_mass:.4g}"
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
-    mild |= message != "exact" and link.name in list_bolted_links(model)
+    is_bolted = link.name in list_bolted_links(model)
+    mild |= message != "exact" and is_bolted and not is_beyond_reach(model, float(np.linalg.norm(judged.declared.com)))
     mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
     return rule.finding(
         message,

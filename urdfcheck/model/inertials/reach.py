@@ -42,6 +42,12 @@ def measure_reach(model: Model, *, with_shapes: bool) -> float | None:
     return longest if apart >= LEAST_JOINTS else None
 
 
+def is_beyond_reach(model: Model, distance: float) -> bool:
+    """Whether a distance (m) is longer than the robot: no stand is so large."""
+    reach = measure_reach(model, with_shapes=True)
+    return reach is not None and distance > reach
+
+
 def measure_own_size(model: Model, link: str) -> float:
     """Measure the distance (m) from a link's frame to the farthest thing that the file places on its rigid body: a joint, a link
     fixed to it, a shape.
