@@ -436,6 +436,16 @@ def test_of_four_wheels_the_odd_one_is_turned_over(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, wheeled("0 -1 0", "0 -1 0", "0 1 0", "0 -1 0"), "SYM005")
     assert finding.message_id == "minority"
     assert finding.location.subject == "joint[wheel_2_joint]/axis@xyz"
+    # Or the two sides are meant to roll oppositely, and the other wheel of its side is wrong.
+    assert edits(finding) == []
+    assert finding.fix is not None
+    assert ", or that of wheel_0_joint if the two sides" in finding.fix.title
+
+
+def test_of_four_wheels_that_one_plugin_drives_the_odd_one_is_turned_over(tmp_path: Path) -> None:
+    text = wheeled("0 -1 0", "0 -1 0", "0 1 0", "0 -1 0")
+    plugin = drive(*(f"wheel_{number}_joint" for number in range(4)))
+    (finding,) = find(tmp_path, text.replace("</robot>", plugin), "SYM005")
     assert edits(finding) == [("0 1 0", "0 -1 0")]
 
 

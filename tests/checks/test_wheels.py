@@ -187,7 +187,7 @@ def test_wheels_whose_mesh_is_missing_are_known_by_their_name(tmp_path: Path) ->
     start = '<geometry><cylinder radius="0.05" length="0.02"/></geometry>'
     missing = text.replace(start, '<geometry><mesh filename="missing.stl"/></geometry>')
     (finding,) = find_in_car(tmp_path, "SYM005", missing)
-    assert edits(finding) == [("0 -1 0", "0 1 0")]
+    assert finding.message_id == "minority"
 
 
 @pytest.mark.parametrize(("names", "severity"), [(range(1, 4), Severity.INFO), (range(4), Severity.WARNING)])
@@ -209,7 +209,10 @@ def test_no_axis_is_edited_where_a_wheel_is_off_the_ground(tmp_path: Path) -> No
     for name, place in (("a", (-0.2, -0.12, 0.0)), ("b", (-200, -120, 0.5))):
         (finding,) = find_in_car(tmp_path / name, "SYM005", changed(opposed, 2, place=place))
         assert not edits(finding)
-    (finding,) = find_in_car(tmp_path / "c", "SYM005", changed(FOUR, 2, axis=(0, -1, 0)))
+    text = changed(FOUR, 2, axis=(0, -1, 0)).text()
+    names = "".join(f"<left_joint>{joint}</left_joint>" for joint in re.findall(r'<joint name="(\w+)"', text))
+    plugin = f'<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">{names}</plugin></gazebo></robot>'
+    (finding,) = find_in_car(tmp_path / "c", "SYM005", text.replace("</robot>", plugin))
     assert edits(finding)
 
 

@@ -46,6 +46,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # Of equally many either may be meant, and a controller may negate one side: nothing is edited then. Nor where a wheel is
     # off the ground: it may be the one that makes the numbers equal.
     are_equal = len(odd) == len(rest)
+    neighbour = (
+        None
+        if any(_drives(names, odd) and _drives(names, rest) for names in driven)
+        else _find_neighbour(model, odd, rest)
+    )
     if are_equal:
         matters = any(_drives(names, odd) and _drives(names, rest) for names in driven)
     else:
@@ -59,12 +64,26 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
         severity=None if matters else Severity.INFO,
-        edits=() if are_equal or not matters or len(wheels) < len(known) else _propose_edits(odd),
+        edits=() if are_equal or not matters or neighbour or len(wheels) < len(known) else _propose_edits(odd),
         odd=_join_joint_names(odd),
         rest=_join_joint_names(rest),
         odd_axis=format_point(odd[0].axis, decimals=3),
         rest_axis=format_point(rest[0].axis, decimals=3),
+        otherwise=""
+        if neighbour is None
+        else f", or that of {neighbour.joint.name} if the two sides are meant to roll oppositely",
     )
+
+
+def _find_neighbour(model: Model, odd: Sequence[DrivenWheel], rest: Sequence[DrivenWheel]) -> DrivenWheel | None:
+    """Return the only other wheel on the side of a single odd one: if that is the wrong one, the sides roll oppositely."""
+    if len(odd) != 1:
+        return None
+    wheels = [*odd, *rest]
+    across = np.array([float(model.frames[wheel.joint.child][:3, 3] @ odd[0].axis) for wheel in wheels])
+    sides = across > (across.min() + across.max()) / 2
+    beside = [wheel for wheel, side in zip(rest, sides[1:], strict=True) if side == sides[0]]
+    return beside[0] if len(beside) == 1 else None
 
 
 def _check_ring(model: Model, rule: Rule, wheels: Sequence[DrivenWheel]) -> Iterator[Finding]:
