@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
-from urdfcheck.model.inertials.typed_formulas import MOMENTS, is_computed_from_lengths
+from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape

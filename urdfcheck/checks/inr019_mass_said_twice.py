@@ -10,7 +10,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.formulas.polynomials import divide_by_common_factor, measure_degree
 from urdfcheck.model import CompleteInertial, Model
-from urdfcheck.model.inertials.typed_formulas import MOMENTS, parse_formula
+from urdfcheck.model.inertials.typed_tensors import MOMENTS, parse_formula
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Definition, flatten_definitions

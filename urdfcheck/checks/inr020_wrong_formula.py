@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.facts.inertials.formulas.moments import WrongFormula, find_wrong_formula, write_formula
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.typed_formulas import MOMENTS, parse_formula
+from urdfcheck.model.inertials.typed_tensors import MOMENTS, parse_formula
 from urdfcheck.source.text.xml import Attribute
 
 _MESSAGES = {1: "one", 2: "two", 3: "all"}

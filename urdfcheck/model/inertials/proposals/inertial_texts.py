@@ -9,7 +9,7 @@ import numpy as np
 
 from urdfcheck.core import Span
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.typed_formulas import is_computed_from_lengths
+from urdfcheck.model.inertials.typed_tensors import is_computed_from_lengths
 from urdfcheck.model.parts import Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.robot import Model
