@@ -172,6 +172,15 @@ def test_a_collision_of_shapes_larger_than_what_is_drawn_is_an_info(
     assert ("delete the line" in finding.fix.title) is (message == "never")
 
 
+@pytest.mark.parametrize(
+    ("fore", "words"), [("0.6 0.5 0.5", "delete the line"), ("0.9 0.6 0.6", 'write reason="User"')]
+)
+def test_a_pair_that_mostly_collides_may_be_disabled_on_purpose(tmp_path: Path, fore: str, words: str) -> None:
+    (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), make_two_bars(fore=fore))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(words)
+
+
 def test_never_is_believed_where_no_sample_collides(tmp_path: Path) -> None:
     assert not find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), make_two_bars(elbow=0.5))
 

@@ -315,6 +315,18 @@ def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | No
     assert [f.message_id for f in found] == ([message] if message else [])
 
 
+@pytest.mark.parametrize(("at", "found"), [("0 0.12 0", []), ("0 0.16 0", ["apart"]), ("0 -0.12 0", ["apart"])])
+def test_a_shape_about_the_next_joint_holds_what_the_next_link_draws(tmp_path: Path, at: str, found: list[str]) -> None:
+    """The hips of some quadrupeds collide with a cylinder about the axis of the thigh."""
+    hip = box("visual", "0.14 0.1 0.12") + geometry(
+        "collision", '<cylinder radius="0.07" length="0.05"/>', f'<origin xyz="{at}" rpy="1.5708 0 0"/>'
+    )
+    thigh = box("visual", "0.15 0.08 0.3", "0 0 -0.08")
+    turns = joint("thigh_joint", "hip", "thigh", limit(-1, 1), kind="revolute", xyz="0 0.12 0", axis="0 1 0")
+    text = robot(link("hip", hip), link("thigh", thigh), turns)
+    assert [f.message_id for f in find(tmp_path, text, "GEO003")] == found
+
+
 def test_which_of_the_two_is_out_of_place_is_left_open(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(link("a", box("visual", xyz="0.3 0 0") + box("collision"))), "GEO003")
     assert finding.fix is not None

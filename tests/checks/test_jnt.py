@@ -212,23 +212,21 @@ def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> No
     assert (finding.message_id, finding.severity) == ("effort-unused", Severity.INFO)
 
 
-def test_a_slide_is_not_like_the_hinges_of_an_arm(tmp_path: Path) -> None:
-    """A spring slide in the tool of an arm has no motor."""
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [(("waist", "arm", "spring", "elbow"), "effort-unused"), (("j1", "j2", "j3", "j4"), "effort-odd")],
+    ids=["a spring in the tool of an arm", "a SCARA"],
+)
+def test_a_slide_is_like_the_hinges_of_an_arm_if_it_is_numbered_with_them(
+    tmp_path: Path, names: tuple[str, ...], message: str
+) -> None:
     text = '<robot name="r"><link name="base"/>'
-    for name, kind in (("waist", "revolute"), ("arm", "revolute"), ("elbow", "revolute"), ("spring", "prismatic")):
-        limit = f'<limit lower="0" upper="1" effort="{0 if name == "spring" else 9}" velocity="1"/>'
+    for name in names:
+        kind, effort = ("prismatic", 0) if name == names[2] else ("revolute", 9)
+        limit = f'<limit lower="0" upper="1" effort="{effort}" velocity="1"/>'
         text += f'<link name="{name}_link"/>' + joint(name, "base", f"{name}_link", limit, kind=kind, axis="0 1 0")
     (finding,) = find(tmp_path, text + "</robot>", "JNT007")
-    assert finding.message_id == "effort-unused"
-
-
-def test_the_slide_of_a_scara_is_like_its_hinges(tmp_path: Path) -> None:
-    text = '<robot name="r"><link name="base"/>'
-    for name, kind in (("j1", "revolute"), ("j2", "revolute"), ("j3", "prismatic"), ("j4", "revolute")):
-        limit = f'<limit lower="0" upper="1" effort="{0 if name == "j3" else 9}" velocity="1"/>'
-        text += f'<link name="{name}_link"/>' + joint(name, "base", f"{name}_link", limit, kind=kind, axis="0 1 0")
-    (finding,) = find(tmp_path, text + "</robot>", "JNT007")
-    assert (finding.message_id, finding.severity) == ("effort-odd", Severity.WARNING)
+    assert finding.message_id == message
 
 
 @pytest.mark.parametrize(

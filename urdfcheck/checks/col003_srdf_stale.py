@@ -19,7 +19,7 @@ from urdfcheck.source.text.xml import Attribute
 REASONS = ("Never", "Default", "Always", "Adjacent")
 
 
-# A pair that collides nearly everywhere was hardly overlooked: somebody disabled it so that the planner finds any way at all.
+# A pair that collides in half of the samples or more (chosen) may have been disabled so that the planner finds any way at all.
 _MEANT = (
     'write reason="User" if the collision is to be ignored on purpose; otherwise correct the collision shapes: without the line '
     "the planner avoids most poses"

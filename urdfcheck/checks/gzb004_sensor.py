@@ -115,7 +115,7 @@ def _check_update_rate(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
 def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:
     """Report frames that are not links; ``folded`` has the names of the links by their lower case."""
     own = [child for child in sensor.element.children if child.tag in _NEW_GAZEBO_FRAMES]
-    # The new Gazebo reads no frame in a plugin of a sensor.
+    # The frame of a sensor of the new Gazebo counts; plugins inside are those of Classic.
     for element in own if own and is_for_new_gazebo(model) else sensor.element.walk():
         frame = element.text.strip().lstrip("/")
         if element.tag not in _FRAMES or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:

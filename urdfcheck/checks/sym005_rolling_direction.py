@@ -33,9 +33,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if len(wheels) < 2:
         return
     axis = wheels[0].axis
-    if any(
-        abs(float(wheel.axis @ axis)) < 1 - LEVEL for wheel in wheels
-    ):  # wheels in several directions: a holonomic base
+    # A holonomic base has wheels in several directions.
+    if any(abs(float(wheel.axis @ axis)) < 1 - LEVEL for wheel in wheels):
         yield from _check_ring(model, rule, wheels)
         return
     along = [wheel for wheel in wheels if float(wheel.axis @ axis) > 0]
