@@ -10,7 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from urdfcheck.system import files
 from urdfcheck.system.files import FileTooLargeError, overlay_files, read_regular, read_start, walk
+from urdfcheck.system.observing.observations import observe
 
 needs_unix = pytest.mark.skipif(sys.platform == "win32", reason="no such files there")
 
@@ -122,3 +124,36 @@ def test_a_file_is_overlaid_by_each_of_its_names_and_others_are_not(tmp_path: Pa
             read_regular(tmp_path / "nowhere")
     assert contents == [b"edited", b"edited", b"edited", b"other", b"new"]
     assert read_regular(file) == b"disk"
+
+
+def test_names_of_a_large_folder_are_read_again_only_after_a_change(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(files, "_LARGE_FOLDER", 0)
+    monkeypatch.setattr(files, "SETTLED_NS", -1)
+    reads = []
+
+    @files.remember_large_folders
+    def list_names(folder: str) -> list[str]:
+        reads.append(folder)
+        return sorted(os.listdir(folder))
+
+    (tmp_path / "a.urdf").touch()
+    assert list_names(tmp_path) == list_names(tmp_path) == ["a.urdf"]
+    assert len(reads) == 1
+    (tmp_path / "b.urdf").touch()
+    os.utime(tmp_path, ns=(0, 10**18))  # a clock may be too coarse to tell the two apart
+    assert list_names(tmp_path) == ["a.urdf", "b.urdf"]
+    with observe() as seen:
+        assert list_names(tmp_path) == ["a.urdf", "b.urdf"]
+    assert str(tmp_path) in seen.names
+
+
+def test_a_folder_that_changed_just_now_is_not_remembered(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(files, "_LARGE_FOLDER", 0)
+    list_names = files.remember_large_folders(lambda folder: sorted(os.listdir(folder)))
+    assert list_names(tmp_path) == []
+    stamp = tmp_path.stat()
+    (tmp_path / "a.urdf").touch()
+    os.utime(tmp_path, ns=(stamp.st_atime_ns, stamp.st_mtime_ns))
+    assert list_names(tmp_path) == ["a.urdf"]

@@ -9,7 +9,8 @@ from __future__ import annotations
 import errno
 import os
 import stat
-from collections.abc import Iterator, Mapping
+import time
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
@@ -21,7 +22,9 @@ from urdfcheck.system.observing.questions import compute_sha256, is_observing, n
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from typing import BinaryIO
+    from typing import BinaryIO, TypeVar
+
+    Content = TypeVar("Content")
 
 # The largest of 366 XML files of published robots has 211 kB.
 MAX_TEXT = 64 * 1024**2
@@ -29,6 +32,11 @@ MAX_TEXT = 64 * 1024**2
 MAX_MESH = 384 * 1024**2
 # Bytes read at a time from a file that is longer than its status says, such as those of /proc.
 _PIECE = 1024**2
+
+# Bytes that a folder of some 500 files takes in most file systems; and of how many such folders something is remembered.
+_LARGE_FOLDER, _MOST_FOLDERS = 16_384, 8
+# What was modified this recently may be modified again without a change of its timestamp (git's index has the same precaution).
+SETTLED_NS = 2_000_000_000
 
 # Size in bytes and time of the last change in ns; None for a file that was looked for and does not exist.
 Stamp = tuple[int, int] | None
@@ -185,6 +193,38 @@ def _identify(path: str | Path) -> tuple[int, int] | None:
     except (OSError, ValueError):
         return None
     return status.st_dev, status.st_ino
+
+
+def remember_large_folders(read: Callable[[str], Content]) -> Callable[[str | Path], Content]:
+    """Decorate a function that reads the names in a folder: what it returns for a large one is used until the folder changes.
+
+    Each of 10,000 models in one folder asks for all its names. What observes must see each question, so it is asked again then.
+    """
+    known: dict[str, tuple[tuple[int, ...], Content]] = {}
+
+    def read_or_remember(folder: str | Path) -> Content:
+        place = os.fspath(folder)
+        stamp = None if is_observing() or not os.path.isabs(place) else _stamp_large_folder(place)
+        if stamp is None:
+            return read(place)
+        if place not in known or known[place][0] != stamp:
+            known[place] = stamp, read(place)
+            while len(known) > _MOST_FOLDERS:
+                del known[next(iter(known))]
+        return known[place][1]
+
+    return read_or_remember
+
+
+def _stamp_large_folder(folder: str) -> tuple[int, ...] | None:
+    """Return what changes with the names in a folder; None for a small one, and for one that changed just now."""
+    try:
+        status = os.stat(folder)
+    except (OSError, ValueError):
+        return None
+    settled = time.time_ns() - max(status.st_mtime_ns, status.st_ctime_ns) > SETTLED_NS
+    stamp = status.st_dev, status.st_ino, status.st_size, status.st_mtime_ns, status.st_ctime_ns
+    return stamp if settled and status.st_size >= _LARGE_FOLDER else None
 
 
 def walk(root: Path) -> Iterator[tuple[str, list[str], list[str]]]:

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from urdfcheck.source.package.file_kinds import is_model
-from urdfcheck.system.files import read_regular, record_reads, walk
+from urdfcheck.system.files import read_regular, record_reads, remember_large_folders, walk
 
 # How many folders of one folder are looked into.
 MAX_SIBLINGS = 2_000
@@ -143,24 +143,28 @@ def _has_models(folder: Path) -> bool:
 
 def _list_folder(path: str | Path) -> tuple[bool, _Subfolders]:
     """Return whether a folder has a manifest, and its folders without hidden ones; nothing if it cannot be read."""
-    found: _Subfolders = []
-    has_manifest = False
     try:
-        with os.scandir(path) as entries:
-            for entry in entries:
-                has_manifest |= entry.name in _MANIFESTS
-                if not entry.name.startswith(".") and _is_folder(entry):
-                    found.append((entry.name, entry.is_symlink()))
+        has_manifest, folders, links = _read_folder(path)
     except OSError:
         return False, []
+    found = [(name, False) for name in folders]
+    found += [(name, True) for name in links if os.path.isdir(os.path.join(path, name))]
     return has_manifest, sorted(found)[:MAX_SIBLINGS]
 
 
-def _is_folder(entry: os.DirEntry[str]) -> bool:
-    try:
-        return entry.is_dir()
-    except OSError:  # a circular link is not a folder, and does not hide the others
-        return False
+@remember_large_folders
+def _read_folder(path: str) -> tuple[bool, Sequence[str], Sequence[str]]:
+    """Read whether a folder has a manifest, and the names of its folders and of its links, without hidden ones."""
+    has_manifest, folders, links = False, [], []
+    with os.scandir(path) as entries:
+        for entry in entries:
+            has_manifest |= entry.name in _MANIFESTS
+            if not entry.name.startswith("."):
+                if entry.is_symlink():
+                    links.append(entry.name)
+                elif entry.is_dir():
+                    folders.append(entry.name)
+    return has_manifest, folders, links
 
 
 def read_package_texts(folder: Path, allows: Callable[[Path], bool], *, deep: bool = True) -> Iterator[str]:

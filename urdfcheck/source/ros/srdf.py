@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 
@@ -20,6 +20,7 @@ from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.source.xacro.file_contents import has_only_macros
+from urdfcheck.system.files import remember_large_folders
 
 # The folders of semantic descriptions in a MoveIt configuration. A description package of several robots may have one beside
 # each of them (robots/panda_description/srdf): the model's own package is searched, to a depth and a number of folders.
@@ -350,10 +351,17 @@ def _find_srdfs_below(folder: Path) -> Iterator[Path]:
 
 def _list_srdfs(folder: Path) -> Iterator[Path]:
     """Yield the semantic descriptions directly in a folder."""
-    names = (
-        name for name in _list_names(folder) if name.lower().endswith(SRDF_SUFFIXES)
-    )  # a path for each takes longer
+    try:
+        names = _read_srdf_names(folder)
+    except OSError:
+        return
     yield from (path for name in names if (path := folder / name).is_file())
+
+
+@remember_large_folders
+def _read_srdf_names(folder: str) -> Sequence[str]:
+    # A path for each name takes longer.
+    return sorted(name for name in os.listdir(folder) if name.lower().endswith(SRDF_SUFFIXES))
 
 
 def _list_names(folder: Path) -> list[str]:

@@ -25,6 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.system.files import SETTLED_NS
 from urdfcheck.system.observing.questions import compute_sha256, observed
 
 if TYPE_CHECKING:
@@ -34,9 +35,6 @@ if TYPE_CHECKING:
 FileStamp = tuple[int, int, int, int]
 # Stamp and SHA-256, the latter of a folder's names; no stamp where it was too new to trust it, no digest where it is unknown.
 Version = tuple[FileStamp | None, str]
-# A file that was modified this recently may be modified again without a change of its timestamp (git's index has the same
-# precaution).
-SETTLED_NS = 2_000_000_000
 # Not files of anybody: what the kernel says of this process and machine.
 _KERNEL = ("/proc/", "/sys/", "/dev/")
 # Of the mode of a file, what tells a caller more than its content: its type, and for a folder who may write there.
