@@ -19,8 +19,8 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.system.cache_folder import write_atomically
-from urdfcheck.system.files import MAX_MESH, SETTLED_NS, FileTooLargeError, note_lookup, read_regular
-from urdfcheck.system.observing.questions import compute_sha256, note_content
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
+from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, note_content
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -16,7 +16,7 @@ from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
 
-from urdfcheck.system.observing.questions import compute_sha256, is_observing, note_content
+from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, is_observing, note_content
 
 # Type checkers take it for typing's, whose import takes a fifth of the time of --help.
 TYPE_CHECKING = False
@@ -35,8 +35,6 @@ _PIECE = 1024**2
 
 # Bytes that a folder of some 500 files takes in most file systems; and of how many such folders something is remembered.
 _LARGE_FOLDER, _MOST_FOLDERS = 16_384, 8
-# What was modified this recently may be modified again without a change of its timestamp (git's index has the same precaution).
-SETTLED_NS = 2_000_000_000
 
 # Size in bytes and time of the last change in ns; None for a file that was looked for and does not exist.
 Stamp = tuple[int, int] | None

@@ -25,8 +25,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.system.files import SETTLED_NS
-from urdfcheck.system.observing.questions import compute_sha256, observed
+from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, observed
 
 if TYPE_CHECKING:
     from typing_extensions import Self  # of typing since Python 3.11

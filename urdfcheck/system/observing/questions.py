@@ -28,6 +28,9 @@ if TYPE_CHECKING:
         def merge(self, other: Any) -> None: ...
 
 
+# What was modified this recently may be modified again without a change of its timestamp (git's index has the same precaution).
+SETTLED_NS = 2_000_000_000
+
 observed: ContextVar[Observer | None] = ContextVar("observed", default=None)
 
 
