@@ -60,6 +60,7 @@ class ConfigResolver:
     named: Config | None = None
     """The configuration of all files, whatever files there are."""
     _configs_by_folder: dict[Path, Config | None] = field(default_factory=dict)
+    _defaults_by_folder: dict[Path, Config] = field(default_factory=dict)
     _starts: dict[Path, int] = field(init=False)
     """The paths of the command line, absolute, with their places among them."""
 
@@ -87,8 +88,11 @@ class ConfigResolver:
         return replace(found, exclude_here=given) if given else found
 
     def _make_default(self, folder: Path) -> Config:
-        above = [level for level in (folder, *folder.parents) if level in self._starts]
-        return make_default_config(min(above, key=self._starts.__getitem__, default=folder))
+        if folder not in self._defaults_by_folder:
+            above = [level for level in (folder, *folder.parents) if level in self._starts]
+            start = min(above, key=self._starts.__getitem__, default=folder)
+            self._defaults_by_folder[folder] = make_default_config(start)
+        return self._defaults_by_folder[folder]
 
     def _find_above(self, folder: Path) -> Config | None:
         climbed: list[Path] = []

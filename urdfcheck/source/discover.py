@@ -30,6 +30,7 @@ from urdfcheck.source.package.package_folders import list_left_out_packages
 from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
+from urdfcheck.source.text.xml import Element
 from urdfcheck.system.files import is_known_file
 
 
@@ -100,6 +101,7 @@ class _Planner:
         self.given_folders: list[Path] = []
         self.known_packages: dict[str, list[Path]] = {}
         self.macro_files: dict[Path, None] = {}
+        self.included_trees: dict[str, Element | None] = {}
 
     def get_finder(self, start: Path) -> PackageFinder:
         """Return the finder of packages around a file or folder: one for all files of a folder, which searches once."""
@@ -451,7 +453,10 @@ class _Planner:
         from urdfcheck.source.xacro.argument_values import MOST_ARGUMENTS, build_argument_sets, find_argument_choices
 
         finder = self.get_finder(first.path)
-        choices = self.budget.look_at(first.path, lambda: find_argument_choices(first.path, finder)) or ()
+        choices = (
+            self.budget.look_at(first.path, lambda: find_argument_choices(first.path, finder, self.included_trees))
+            or ()
+        )
         free = [choice for choice in choices if choice.name not in self.arguments]
         if len(free) > MOST_ARGUMENTS:
             reason = f"has {len(free)} arguments to vary: the first {MOST_ARGUMENTS} of them are"

@@ -27,6 +27,8 @@ MOST_COMBINATIONS = 32
 # Limits on arguments and values that are varied, and on files that are read. Of a hundred robots, the one with most
 # arguments has 79, of which 24 are switches.
 MOST_ARGUMENTS, MOST_VALUES, MOST_FILES = 48, 16, 400
+# Limit on the trees of included files that are kept.
+_MOST_INCLUDED = 64
 # The longest expression of published robots has 166 characters.
 MOST_CHARACTERS = 2_000
 
@@ -84,9 +86,14 @@ class _ArgumentUsage:
     """Values for which a file exists."""
 
 
-def find_argument_choices(path: Path, finder: PackageFinder) -> list[ArgumentChoice]:
-    """Return the arguments of a xacro that have more than one known value, in the order of their declarations."""
-    trees = read_included_trees(path, finder)
+def find_argument_choices(
+    path: Path, finder: PackageFinder, included: dict[str, Element | None] | None = None
+) -> list[ArgumentChoice]:
+    """Return the arguments of a xacro that have more than one known value, in the order of their declarations.
+
+    ``included``: see `read_included_trees`.
+    """
+    trees = read_included_trees(path, finder, included)
     variables = _find_variables(trees)
     usages = _find_arguments(trees)
     if not usages:
@@ -220,8 +227,13 @@ def _cover_pairs(values: Sequence[Sequence[str]], rows: Sequence[tuple[str, ...]
 # -- reading -----------------------------------------------------------------------------------------------------------
 
 
-def read_included_trees(path: Path, finder: PackageFinder) -> list[tuple[Element, Path]]:
-    """Return the file and all files that it can include, each with its folder."""
+def read_included_trees(
+    path: Path, finder: PackageFinder, included: dict[str, Element | None] | None = None
+) -> list[tuple[Element, Path]]:
+    """Return the file and all files that it can include, each with its folder.
+
+    ``included``: the trees of included files by path, kept by who asks for many models, which mostly include the same ones.
+    """
     trees: list[tuple[Element, Path]] = []
     queue, visited = [path.absolute()], set[str]()
     while queue and len(visited) < MOST_FILES:
@@ -230,15 +242,24 @@ def read_included_trees(path: Path, finder: PackageFinder) -> list[tuple[Element
         if real in visited or not finder.can_open(file):
             continue
         visited.add(real)
-        try:
-            tree = parse_xml(SourceFile.read(file, format_path(file)))
-        except (OSError, XmlError):
+        place = str(file)
+        tree = included[place] if included is not None and place in included else _read_tree(file)
+        if included is not None and trees and len(included) < _MOST_INCLUDED:
+            included[place] = tree
+        if tree is None:
             continue
         trees.append((tree, file.parent))
         for element in tree.walk():
             if element.tag == "xacro:include":
                 queue += _find_included_files(element.get("filename"), file.parent, finder)
     return trees
+
+
+def _read_tree(file: Path) -> Element | None:
+    try:
+        return parse_xml(SourceFile.read(file, format_path(file)))
+    except (OSError, XmlError):
+        return None
 
 
 def _resolve_path(text: str, folder: Path, finder: PackageFinder) -> str | None:
