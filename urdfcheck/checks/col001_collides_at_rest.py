@@ -176,15 +176,17 @@ def _get_rest(span: tuple[float, float]) -> float:
 
 
 def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
-    """Whether two links overlap where no joint between them is at a limit, in a pose that the robot is never in.
+    """Whether two links overlap in a pose that the robot is never in, and most others are free of the overlap.
 
-    A joint that carries both cannot be at zero then, for which JNT019 wants a start from elsewhere, and there most poses are
-    free of the overlap.
+    A joint that moves one of them cannot be at zero, for which JNT019 wants a start from elsewhere, and no other joint between them
+    is at a limit.
     """
     between = _list_joints_between(model, pair)
-    carrying = [j for name in pair.links for j in model.tree.find_path_to(name) if j.is_movable and j not in between]
-    inside = all((span := joint.position_range) is None or span[0] < 0 < span[1] for joint in between)
-    spans = [span for joint in carrying if joint.mimic is None and (span := joint.position_range) is not None]
+    inside = all(
+        (span := joint.position_range) is None or span[0] < 0 < span[1] or _get_rest(span) != 0 for joint in between
+    )
+    moving = [joint for name in pair.links for joint in model.tree.find_path_to(name) if joint.is_movable]
+    spans = [span for joint in moving if joint.mimic is None and (span := joint.position_range) is not None]
     return inside and pair.hit_share < _USUALLY and any(_get_rest(span) != 0 for span in spans)
 
 
