@@ -178,8 +178,8 @@ def _get_rest(span: tuple[float, float]) -> float:
 def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
     """Whether two links overlap in a pose that the robot is never in, and most others are free of the overlap.
 
-    A joint that moves one of them cannot be at zero, for which JNT019 wants a start from elsewhere, and no other joint between them
-    is at a limit.
+    A joint that moves one of them cannot be at zero, for which JNT019 wants a start from elsewhere, and no other joint between
+    them is at a limit.
     """
     between = _list_joints_between(model, pair)
     inside = all(

@@ -24,7 +24,10 @@ _MEANT = (
     'write reason="User" if the collision is to be ignored on purpose; otherwise correct the collision shapes: without the line '
     "the planner avoids most poses"
 )
-_STALE = "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling)"
+_STALE = (
+    "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling); "
+    'write reason="User" where contact is meant, as of fingers'
+)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
