@@ -105,7 +105,9 @@ def test_legs_bend_one_way_only(tmp_path: Path, names: tuple[str, ...], severity
 def test_a_start_that_a_launch_file_passes(tmp_path: Path) -> None:
     out = {"limit": 'lower="0.5" upper="2"', "more": '<transmission name="t"/>'}
     (warning,) = find_zero(tmp_path, **out)
-    (tmp_path / "spawn.launch").write_text('<launch><node pkg="gazebo_ros" args="-J j 1.0"/></launch>', encoding="utf-8")
+    (tmp_path / "spawn.launch").write_text(
+        '<launch><node pkg="gazebo_ros" args="-J j 1.0"/></launch>', encoding="utf-8"
+    )
     (placed,) = find_zero(tmp_path, **out)
     assert (warning.message_id, placed.message_id) == ("outside", "meant")
 

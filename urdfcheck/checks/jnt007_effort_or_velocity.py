@@ -114,8 +114,11 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     with_motor = [joint for joint in powerless if joint.name in simulated]
     forgotten = [j for j in powerless if j not in with_motor and j.name not in still and _is_odd(j, powerless, driven)]
     without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
-    if with_motor:
-        yield _build_finding(rule, "effort-zero", "effort", with_motor)
+    # Where the velocity is 0 too, who writes the effort alone repairs half.
+    for is_still in (False, True):
+        if alike := [joint for joint in with_motor if (joint.name in still and not _is_locked(joint)) == is_still]:
+            also, speed = (' and velocity="0"', "; and the highest speed in rad/s (m/s)") if is_still else ("", "")
+            yield _build_finding(rule, "effort-zero", "effort", alike, also=also, speed=speed)
     if forgotten:
         yield _build_finding(rule, "effort-odd", "effort", forgotten)
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
@@ -131,11 +134,12 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
     unknown = is_odd and len(powerless) == len(driven)
     commanded = {joint.get("name") for _, joint in _iter_simulated_joints(model)}
-    # JNT005 reports a joint that cannot move: it needs no speed.
+    # JNT005 reports a joint that cannot move: it needs no speed. Of those with a motor, both numbers are told above.
     slow = [
         joint
         for joint in driven
         if joint.name in still
+        and joint not in with_motor
         and (unknown or joint not in without or (joint.name in commanded and not is_empty))
         and not _is_locked(joint)
     ]
