@@ -314,7 +314,8 @@ def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
     ("name", "value", "messages"), [("root_joint", "0 0 1 0 0 0 1", []), ("root_joint", "0", ["joint"])]
 )
 def test_a_state_may_give_the_pose_of_the_base(tmp_path: Path, name: str, value: str, messages: list[str]) -> None:
-    state = f'<group_state name="s" group="arm"><joint name="{name}" value="{value}"/><joint name="elbow" value="0"/></group_state>'
+    joints = f'<joint name="{name}" value="{value}"/><joint name="elbow" value="0"/>'
+    state = f'<group_state name="s" group="arm">{joints}</group_state>'
     assert ids(find_with_srdf(tmp_path, GROUP + state)) == messages
 
 

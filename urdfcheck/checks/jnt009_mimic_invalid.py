@@ -76,7 +76,8 @@ def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribut
         own = f"the limits of {joint.name} to {low:.6g} … {high:.6g} {joint.position_unit}"
         back = sorted(-multiplier * q + offset for q in leader_range)
         if max(lower - back[0], back[1] - upper) <= slack:
-            repair = f'write multiplier="{-multiplier:g}", with which it stays within, or set {own}: whichever moves it the right way'
+            sign = f'write multiplier="{-multiplier:g}", with which it stays within'
+            repair = f"{sign}, or set {own}: whichever moves it the right way"
         else:
             repair = f"set {own}, narrow those of {leader.name}, or correct multiplier and offset"
         yield rule.finding(
