@@ -90,6 +90,7 @@ def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
             applicability=Applicability.SAFE,
             first=pair.links[0],
             second=pair.links[1],
+            reasons=f" (as {before.reason} and as {pair.reason})" if before.reason != pair.reason else "",
         )
 
 
