@@ -43,10 +43,15 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     yield from _check_zeros(model, rule, driven)
     moving = _drop_idle_joints(model, driven)
     absurd: dict[str, list[Joint]] = {}
+    unlimited = {name: [j for j in driven if j.get_limit_value(name) == _SDF_UNLIMITED] for name in _WANTED}
+    without_both = [joint for joint in unlimited["effort"] if joint in unlimited["velocity"]]
+    if without_both:  # as with the two placeholders below
+        yield _build_finding(rule, "both-unlimited", "effort", without_both)
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         # Joints with the same defect come from one template or one exporter's default.
-        if negative := [joint for joint in driven if (joint.get_limit_value(name) or 0.0) < 0]:
-            is_unlimited = all(joint.get_limit_value(name) == _SDF_UNLIMITED for joint in negative)
+        negative = [j for j in driven if (j.get_limit_value(name) or 0.0) < 0 and j not in without_both]
+        if negative:
+            is_unlimited = all(joint in unlimited[name] for joint in negative)
             yield _build_finding(rule, f"{name}-unlimited" if is_unlimited else f"{name}-negative", name, negative)
         absurd[name] = [joint for joint in moving if (joint.get_limit_value(name) or 0.0) >= most]
     both = [joint for joint in absurd["effort"] if joint in absurd["velocity"]]
