@@ -569,7 +569,8 @@ def test_two_wheels_on_legs_are_balanced_by_a_controller(tmp_path: Path, toe: st
             f'<joint name="{side}_hip" type="revolute"><parent link="body"/><child link="{side}_thigh"/>'
             f'<origin xyz="0 {y} 0"/>{limit}</joint><link name="{side}_thigh"/>'
             f'<joint name="{side}_knee" type="revolute"><parent link="{side}_thigh"/><child link="{side}_leg"/>{limit}</joint>'
-            f'<link name="{side}_leg"><visual><origin xyz="0 0 -0.3"/><geometry><sphere radius="0.047"/></geometry></visual></link>'
+            f'<link name="{side}_leg"><visual><origin xyz="0 0 -0.3"/><geometry><sphere radius="0.047"/></geometry></visual>'
+            "</link>"
             f'<joint name="{side}_ankle" type="revolute"><parent link="{side}_leg"/><child link="{side}_tire"/>'
             f'<origin xyz="0 0 -0.3"/>{limit}</joint>'
             f'<link name="{side}_tire"><visual><origin rpy="1.5707963268 0 0"/><geometry><cylinder radius="0.05" length="0.02"/>'
