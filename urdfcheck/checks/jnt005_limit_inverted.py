@@ -82,9 +82,8 @@ def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> st
         return _CONTINUOUS
     moved = "" if value == 0 else f", with {value:g} {joints[0].position_unit} in its <origin>"
     turned = " and an <axis> (without one it is x)" if any(joint.axis_element is None for joint in joints) else ""
-    endless = (
-        ' (or type="continuous" if it turns without end)' if all(joint.type == "revolute" for joint in joints) else ""
-    )
+    is_open = value == 0 and all(joint.type == "revolute" for joint in joints)  # else a pose is held
+    endless = ' (or type="continuous" if it turns without end)' if is_open else ""
     return f"give the real range{turned}{endless}, or make the joint fixed{moved}"
 
 
