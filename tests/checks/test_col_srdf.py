@@ -353,3 +353,22 @@ def test_an_overlap_that_the_srdf_disables_is_known_to_its_author(tmp_path: Path
         assert finding.fix is not None
         assert ("add <disable_collisions>" in finding.fix.title) == (severity is Severity.WARNING)
         assert finding.consequences["moveit"].startswith("ignores") == (severity is Severity.INFO)
+
+
+def test_the_srdf_of_the_xacro_knows_the_overlaps_of_the_urdf_made_from_it(tmp_path: Path) -> None:
+    source = tmp_path / "workspace" / "src"
+    config, description = source / "arm_moveit_config", source / "arm_description"
+    for folder, needs in ((description, ""), (config, "<depend>arm_description</depend>")):
+        (folder / "config").mkdir(parents=True)
+        (folder / "package.xml").write_text(f'<package format="3"><name>{folder.name}</name>{needs}</package>')
+    disabled = '<disable_collisions link1="base" link2="fore" reason="Default"/>\n'
+    (config / "config" / "arm.srdf").write_text(f'<robot name="arm">\n{GROUP}\n{NEIGHBOURS}{disabled}</robot>')
+    (config / ".setup_assistant").write_text(
+        "moveit_setup_assistant_config:\n  srdf:\n    relative_path: config/arm.srdf\n"
+        "  urdf:\n    package: arm_description\n    relative_path: arm.urdf.xacro\n"
+    )
+    urdf = make_two_bars(fore="1.2 0.3 0.3")
+    (description / "arm.urdf").write_text(urdf)
+    (description / "arm.urdf.xacro").write_text(urdf)
+    (finding,) = check(description / "arm.urdf", codes={"COL001"}).findings
+    assert finding.severity is Severity.INFO

@@ -182,7 +182,7 @@ def test_a_drawing_beside_the_model_that_is_loaded_needs_no_collision(
     arm = link("base", box("visual")) + link("arm", box("visual") + MASS) + make_joint("base", "arm", xyz="0 0 1")
     files = {
         "package.xml": "<package><name>arm</name></package>",
-        "launch/show.launch.py": f"load('{loaded}.urdf')",
+        "launch/show.launch.py": f"load('{loaded}.urdf', 'gz_sim')",
         "arm.urdf": robot(arm),
     }
     assert [finding.message_id for finding in find(tmp_path, files, "GEO002", name="arm.urdf")] == [message]
@@ -250,7 +250,8 @@ def test_the_base_may_be_a_drawing(tmp_path: Path) -> None:
     ("mass", "control", "message"),
     [
         ("", "", "drawing"),
-        (MASS, "", "none"),
+        (MASS, "", "drawing"),  # by hand in another program: nothing shows a use of it
+        (MASS, "<gazebo/>", "none"),
         ("", '<ros2_control name="a" type="system"/>', "drawing"),
         ("", "<gazebo/>", "drawing"),
     ],
@@ -287,6 +288,16 @@ def test_a_rotor_inside_its_housing_needs_no_collision(tmp_path: Path, size: str
         link("root") + link("base", BOTH) + link("rotor", box("visual", size)) + link("arm", BOTH)
         + f'<joint name="f" type="fixed"><parent link="root"/><child link="base"/><origin rpy="{rpy}"/></joint>'
         + make_joint("base", "rotor", "continuous") + make_joint("base", "arm", xyz="0 0 1")
+    )  # fmt: skip
+    assert bool(find(tmp_path, robot(parts), "GEO002")) == found
+
+
+@pytest.mark.parametrize(("depth", "found"), [("0.1", False), ("0.13", True)])
+def test_an_eye_inside_its_head_needs_no_collision(tmp_path: Path, depth: str, found: bool) -> None:
+    """Also beyond the bare frame between its two axes."""
+    parts = (
+        link("root", BOTH) + link("head", BOTH) + link("frame") + link("eye", box("visual", "0.09 0.09 " + depth))
+        + make_joint("root", "head", xyz="0 0 1") + make_joint("head", "frame") + make_joint("frame", "eye")
     )  # fmt: skip
     assert bool(find(tmp_path, robot(parts), "GEO002")) == found
 

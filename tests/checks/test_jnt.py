@@ -274,6 +274,15 @@ def test_zero_effort_of_a_motor_is_a_warning(tmp_path: Path, control: str) -> No
     ]
 
 
+def test_a_motor_without_effort_and_speed_is_one_finding(tmp_path: Path) -> None:
+    idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="0"/>')
+    (finding,) = find(tmp_path, make_three_links(idle, transmit("EffortJointInterface")), "JNT007")
+    assert (finding.message_id, finding.severity) == ("effort-zero", Severity.WARNING)
+    assert 'effort="0" and velocity="0"' in finding.message
+    assert finding.fix is not None
+    assert "speed" in finding.fix.title
+
+
 @pytest.mark.parametrize(("targets", "severity"), [(("gazebo",), Severity.WARNING), (("moveit",), Severity.INFO)])
 def test_zero_effort_matters_to_gazebo(tmp_path: Path, targets: tuple[str, ...], severity: Severity) -> None:
     idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')
@@ -434,6 +443,25 @@ def test_a_fixed_joint_with_a_mimic_is_an_info(tmp_path: Path, kind: str, drake:
 def test_a_fixed_joint_that_mimics_itself_is_idle(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_three_links(make_joint(follows("j"), kind="fixed")), "JNT009")
     assert (finding.message_id, finding.severity) == ("idle", Severity.INFO)
+
+
+@pytest.mark.parametrize(
+    ("own", "repair"),
+    [
+        (
+            'lower="0" upper="1"',
+            'write multiplier="1", with which it stays within, or set the limits of j to -1 … 0 rad',
+        ),
+        ('lower="0" upper="0.5"', "set the limits of j to -1 … 0 rad, narrow those of k"),
+    ],
+)
+def test_a_sign_too_much_is_named_where_the_other_sign_fits(tmp_path: Path, own: str, repair: str) -> None:
+    ends = (f'<limit {span} effort="1" velocity="1"/>' for span in (own, 'lower="0" upper="1"'))
+    follower, leader = next(ends) + '<mimic joint="k" multiplier="-1"/>', next(ends)
+    text = make_three_links(make_joint(follower), make_joint(leader, name="k", child="c"))
+    (finding,) = find(tmp_path, text, "JNT009")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
 
 
 @pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import find, joint, limit, link, robot
+from builders import find, inertial, joint, limit, link, robot
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -71,7 +71,7 @@ def test_a_note_unless_it_is_for_a_simulator(tmp_path: Path) -> None:
         '<gazebo><plugin name="p" filename="p.so"><initialConfiguration>0.7</initialConfiguration></plugin></gazebo>'
     )
     (placed,) = find_zero(tmp_path, 'lower="0.5" upper="2"', more=plugin)
-    assert placed.severity is Severity.INFO
+    assert (placed.message_id, placed.severity) == ("meant", Severity.INFO)
     path = tmp_path / "arm.urdf"
     path.write_text(ARM.format(limit='lower="0.5" upper="2"', kind="revolute", inner="", more=""), encoding="utf-8")
     severities = {t: check(path, codes={"JNT019"}, targets=(t,)).findings[0].severity for t in ("mujoco", "rviz")}
@@ -83,20 +83,33 @@ def test_a_note_unless_it_is_for_a_simulator(tmp_path: Path) -> None:
     [
         (("FL_knee", "FR_knee", "RL_knee", "RR_knee"), Severity.INFO),
         (("FL_knee", "FR_knee", "RL_knee", "RR_hip"), Severity.WARNING),
-        (("left_knee", "right_knee"), Severity.WARNING),
+        (("left_knee", "right_knee"), Severity.INFO),
+        (("LeftKneePitch", "RightKneePitch", "LeftFootPitch", "RightFootPitch"), Severity.INFO),
+        (("left_knee", "right_elbow"), Severity.WARNING),
+        (("left_elbow", "right_elbow"), Severity.WARNING),
     ],
 )
-def test_the_knees_of_a_quadruped_bend_one_way_only(tmp_path: Path, names: tuple[str, ...], severity: Severity) -> None:
+def test_legs_bend_one_way_only(tmp_path: Path, names: tuple[str, ...], severity: Severity) -> None:
     parts = [
         part
         for name in names
         for part in (
-            link(f"{name}_link"),
+            link(f"{name}_link", inertial()),
             joint(name, "base", f"{name}_link", limit(-2.5, -0.5), kind="revolute", axis="0 1 0"),
         )
     ]
     (finding,) = find(tmp_path, robot(link("base"), *parts, '<transmission name="t"/>'), "JNT019")
     assert finding.severity is severity
+
+
+def test_a_start_that_a_launch_file_passes(tmp_path: Path) -> None:
+    out = {"limit": 'lower="0.5" upper="2"', "more": '<transmission name="t"/>'}
+    (warning,) = find_zero(tmp_path, **out)
+    (tmp_path / "spawn.launch").write_text(
+        '<launch><node pkg="gazebo_ros" args="-J j 1.0"/></launch>', encoding="utf-8"
+    )
+    (placed,) = find_zero(tmp_path, **out)
+    assert (warning.message_id, placed.message_id) == ("outside", "meant")
 
 
 def test_mujoco_pushes_the_joint_into_its_range() -> None:

@@ -310,6 +310,21 @@ def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
     assert not find_with_srdf(tmp_path, state(elbow=9), "SRD002", arm)
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "messages"), [("root_joint", "0 0 1 0 0 0 1", []), ("root_joint", "0", ["joint"])]
+)
+def test_a_state_may_give_the_pose_of_the_base(tmp_path: Path, name: str, value: str, messages: list[str]) -> None:
+    joints = f'<joint name="{name}" value="{value}"/><joint name="elbow" value="0"/>'
+    state = f'<group_state name="s" group="arm">{joints}</group_state>'
+    assert ids(find_with_srdf(tmp_path, GROUP + state)) == messages
+
+
+def test_the_repair_of_a_velocity_is_no_integer(tmp_path: Path) -> None:
+    (finding,) = find_with_srdf(tmp_path, GROUP, "SRD003", limits="joint_limits:\n  elbow: {max_velocity: 9.0}\n")
+    assert finding.fix is not None
+    assert finding.fix.title == "write at most 2.0, or correct the model"
+
+
 # -- joint_limits.yaml -------------------------------------------------------------------------------------------------
 
 
@@ -392,7 +407,14 @@ def test_joint_limits_name_joints(tmp_path: Path, limits: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "limits", ["joint_limits: {a: {max_velocity: 1.0}, elbow: 3}", "elbow: {limit: {lower: 1}}", "[1, 2]"]
+    "limits",
+    [
+        "joint_limits: {a: {max_velocity: 1.0}, elbow: 3}",
+        "elbow: {limit: {lower: 1}}",
+        "[1, 2]",
+        # MoveIt looks below robot_description_planning.
+        "/**:\n  ros__parameters:\n    joint_limits:\n      elbow: {has_velocity_limits: true, max_velocity: 9.0}\n",
+    ],
 )
 def test_other_files_of_this_name_are_left_alone(tmp_path: Path, limits: str) -> None:
     assert not find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)

@@ -558,6 +558,28 @@ def table(*, com: float, names: str = "leg") -> str:
     return f'<robot name="table">{"".join(parts)}</robot>'
 
 
+@pytest.mark.parametrize(("toe", "messages"), [("", []), ("0.05", ["tips"])])
+def test_two_wheels_on_legs_are_balanced_by_a_controller(tmp_path: Path, toe: str, messages: list[str]) -> None:
+    """However near the ankles are to the ground. Feet that reach ahead are to stand."""
+    parts = [f'<link name="body">{make_sized_inertial(8, (-0.05, 0, 0), (0.1, 0.1, 0.1), np.eye(3), 1.0)}</link>']
+    limit = '<axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/>'
+    foot = f'<visual><origin xyz="{toe} 0 -0.04"/><geometry><sphere radius="0.01"/></geometry></visual>' if toe else ""
+    for side, y in (("left", 0.1), ("right", -0.1)):
+        parts.append(
+            f'<joint name="{side}_hip" type="revolute"><parent link="body"/><child link="{side}_thigh"/>'
+            f'<origin xyz="0 {y} 0"/>{limit}</joint><link name="{side}_thigh"/>'
+            f'<joint name="{side}_knee" type="revolute"><parent link="{side}_thigh"/><child link="{side}_leg"/>{limit}</joint>'
+            f'<link name="{side}_leg"><visual><origin xyz="0 0 -0.3"/><geometry><sphere radius="0.047"/></geometry></visual>'
+            "</link>"
+            f'<joint name="{side}_ankle" type="revolute"><parent link="{side}_leg"/><child link="{side}_tire"/>'
+            f'<origin xyz="0 0 -0.3"/>{limit}</joint>'
+            f'<link name="{side}_tire"><visual><origin rpy="1.5707963268 0 0"/><geometry><cylinder radius="0.05" length="0.02"/>'
+            f"</geometry></visual>{foot}</link>"
+        )
+    found = find_in_car(tmp_path, "DYN004", f'<robot name="upright">{"".join(parts)}</robot>')
+    assert [f.message_id for f in found] == messages
+
+
 def test_legs_are_only_mentioned(tmp_path: Path) -> None:
     """Nobody needs to stand with all joints at zero."""
     assert not find_in_car(tmp_path / "a", "DYN004", table(com=0.1))

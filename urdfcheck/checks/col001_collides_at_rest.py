@@ -17,7 +17,7 @@ from urdfcheck.model.motion.collisions.self_collisions import (
     ensure_all_shapes_read,
     self_collisions,
 )
-from urdfcheck.model.motion.planning_limits import list_own_srdfs
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 
@@ -176,15 +176,17 @@ def _get_rest(span: tuple[float, float]) -> float:
 
 
 def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
-    """Whether two links overlap where no joint between them is at a limit, in a pose that the robot is never in.
+    """Whether two links overlap in a pose that the robot is never in, and most others are free of the overlap.
 
-    A joint that carries both cannot be at zero then, for which JNT019 wants a start from elsewhere, and there most poses are
-    free of the overlap.
+    A joint that moves one of them cannot be at zero, for which JNT019 wants a start from elsewhere, and no other joint between
+    them is at a limit.
     """
     between = _list_joints_between(model, pair)
-    carrying = [j for name in pair.links for j in model.tree.find_path_to(name) if j.is_movable and j not in between]
-    inside = all((span := joint.position_range) is None or span[0] < 0 < span[1] for joint in between)
-    spans = [span for joint in carrying if joint.mimic is None and (span := joint.position_range) is not None]
+    inside = all(
+        (span := joint.position_range) is None or span[0] < 0 < span[1] or _get_rest(span) != 0 for joint in between
+    )
+    moving = [joint for name in pair.links for joint in model.tree.find_path_to(name) if joint.is_movable]
+    spans = [span for joint in moving if joint.mimic is None and (span := joint.position_range) is not None]
     return inside and pair.hit_share < _USUALLY and any(_get_rest(span) != 0 for span in spans)
 
 
@@ -329,8 +331,9 @@ def _build_overlap_finding(
 
 
 def _list_disabled_pairs(model: Model) -> set[frozenset[str]]:
-    """List the pairs that a semantic description of the robot tells MoveIt not to check."""
-    return {pair.key for srdf in list_own_srdfs(model) for pair in srdf.disabled_pairs}
+    """List the pairs that a semantic description of a robot of this name tells MoveIt not to check: also of the xacro that this
+    file was made from."""
+    return {pair.key for srdf in semantic_descriptions(model) for pair in srdf.disabled_pairs}
 
 
 def _find_common_shape_index(group: Sequence[tuple[CollisionPair, Contact]]) -> int:

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
@@ -24,7 +25,10 @@ _MEANT = (
     'write reason="User" if the collision is to be ignored on purpose; otherwise correct the collision shapes: without the line '
     "the planner avoids most poses"
 )
-_STALE = "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling)"
+_STALE = (
+    "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling); "
+    'write reason="User" where contact is meant, as of fingers'
+)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -48,8 +52,11 @@ def _check_unknown_links(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Findi
             attribute = pair.get_link(index)
             if attribute is not None and name not in model.link_by_name:
                 uses.setdefault(name, []).append(attribute)
+    elsewhere = package_names(model)
     unused = model.link_by_name.keys() - {name for pair in srdf.disabled_pairs for name in pair.links}
     for name, attributes in uses.items():
+        if elsewhere.can_package_have("link", name):
+            continue
         near = find_only_near_name(name, unused, SLIP_LIKENESS)
         yield rule.finding(
             "unknown",
@@ -87,6 +94,7 @@ def _check_duplicate_pairs(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
             applicability=Applicability.SAFE,
             first=pair.links[0],
             second=pair.links[1],
+            reasons=f" (as {before.reason} and as {pair.reason})" if before.reason != pair.reason else "",
         )
 
 

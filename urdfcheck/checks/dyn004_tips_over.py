@@ -38,12 +38,14 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
     wheels = {wheel.joint.child for wheel in rolling_wheels(model)}
     # Legs, with wheels on them or not, need not stand with all joints at zero.
     meant = any(not is_suspended(model, name) for name in stance.supports if name in wheels)
+    is_line = _is_line(now.polygon)
+    if is_line and not meant:
+        return  # wheels on legs, which a controller balances
     severity: Severity | None
     details: dict[str, Any]
     if now.tip_angle >= -SLACK:
         # On a slope the plumb line meets the ground farther down, as if the COM were there on level ground.
         downhill = com + math.tan(math.radians(slope)) * now.height * now.outwards
-        is_line = _is_line(now.polygon)
         if not meant or (len(touching) < _FEWEST_SUPPORTS and not is_line):
             return
         if is_line and sum(name != model.tree.root for name in stance.supports) >= _FEWEST_SUPPORTS:

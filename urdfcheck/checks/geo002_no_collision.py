@@ -14,7 +14,7 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
-from urdfcheck.model.simulation_use import is_left_aside
+from urdfcheck.model.simulation_use import is_left_aside, is_simulated
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 if TYPE_CHECKING:
@@ -40,9 +40,9 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
         if model.masses and not any(declared.mass for declared in model.masses):
             return  # made to be drawn: INR002 reports the masses of 0
         what = f"robot {model.name}" if model.name else "the robot"
-        is_used = semantic_descriptions(model) or _has_inertials(model, moving)
+        is_used = semantic_descriptions(model) or (_has_inertials(model, moving) and is_simulated(model))
         yield rule.finding(
-            "drawing" if not is_used else "aside" if is_left_aside(model) else "none",
+            "aside" if is_left_aside(model) else "none" if is_used else "drawing",
             at=model.name_location,
             severity=Severity.INFO,
             robot=model.name,
@@ -186,11 +186,25 @@ def _is_wheel_carrier(model: Model, body: RigidLinkGroup) -> bool:
     )
 
 
-def _is_sheltered(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
-    """Whether the bounding box of a body's visuals lies within that of the collisions of a neighbouring body."""
+def _find_drawn_parent(model: Model, body: RigidLinkGroup) -> str:
+    """Return the link that carries a body; one further back where that body is a bare frame, as between the axes of an eye."""
     tree = model.tree
-    near = [tree.parent_joint[body.links[0]].parent]
-    near += _list_moved_links(model, body)
+    parent = tree.parent_joint[body.links[0]].parent
+    while True:
+        links = tree.list_body_links(parent)
+        joint = tree.parent_joint.get(links[0])
+        if joint is None or any(
+            model.link_by_name[name].visuals or model.link_by_name[name].collisions for name in links
+        ):
+            return parent
+        parent = joint.parent
+
+
+def _is_sheltered(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
+    """Whether the bounding box of a body's visuals lies within that of the collisions of a neighbouring body; whether it may, if
+    a mesh of these is missing."""
+    tree = model.tree
+    near = [_find_drawn_parent(model, body), *_list_moved_links(model, body)]
     # Along the axes of the body's first link, so that the root's orientation does not matter.
     home = np.linalg.inv(model.frames[body.links[0]])
     drawn = compute_bounding_box(
@@ -206,6 +220,8 @@ def _is_sheltered(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
             for shape in model.link_by_name[name].collisions
         ]
         around = compute_bounding_box(model, placed)
+        if placed and around is None:
+            return True
         if around is not None and (around[0] - slack <= drawn[0]).all() and (drawn[1] <= around[1] + slack).all():
             return True
     return False

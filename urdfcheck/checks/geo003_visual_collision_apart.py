@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
+from urdfcheck.core import FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_box_size
 from urdfcheck.facts.median import compute_medians
@@ -153,7 +153,9 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
         if not suspects or (len(links) > 1 and _compare_links(model, links, classify_pair) is None):
             continue
         for link, message, pair in suspects:
-            if message == "apart" and (_is_covered(model, body, link, pair, covered) or _holds_next_joint(model, link)):
+            if message == "apart" and (_is_covered(model, body, link, pair, covered) or _holds_joint(model, link)):
+                continue
+            if message == "size" and _is_ground(model, pair):
                 continue
             stray = _find_stray_pieces(model, link, pair, ratio) if message == "size" else None
             if stray is not None:
@@ -161,9 +163,11 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
                 continue
             units = _guess_unit_mismatch(pair.ratio)
             owner = None if units else _find_owner(model, body, link)
+            is_token = message == "size" and not units and _is_token(model, link, pair)
             yield rule.finding(
-                message,
+                "token" if is_token else message,
                 at=_locate(link, message),
+                severity=Severity.INFO if is_token else None,
                 cause="units" if units else "neighbour" if owner else None,
                 repair=_describe_repair(message, pair, owner),
                 owner=owner.link.name if owner else "",
@@ -193,14 +197,21 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
     return False
 
 
-def _holds_next_joint(model: Model, link: Link) -> bool:
-    """Whether the collision geometry of a link is about a joint in front of it, where the next link is drawn."""
-    shapes = [(shape, np.eye(4)) for shape in link.collisions if not is_dummy_shape(shape)]
-    box = compute_bounding_box(model, shapes)
+def _holds_joint(model: Model, link: Link) -> bool:
+    """Whether the collision geometry of a link is about one of its joints, where the link on the other side is drawn: the next
+    one, or the one before if that has collision geometry too."""
+    box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
     home = np.linalg.inv(model.frames[link.name])
-    for joint in model.tree.child_joints[link.name]:
-        place = home @ model.frames[joint.child]
-        visuals = [(s, place) for s in model.link_by_name[joint.child].visuals if not is_dummy_shape(s)]
+    before = model.tree.parent_joint.get(link.name)
+    sides = [(joint, joint.child, home @ model.frames[joint.child]) for joint in model.tree.child_joints[link.name]]
+    if before is not None and model.link_by_name[before.parent].collisions:
+        sides.append((before, before.parent, np.eye(4)))
+    for joint, name, place in sides:
+        visuals = [
+            (shape, home @ model.frames[name])
+            for shape in model.link_by_name[name].visuals
+            if not is_dummy_shape(shape)
+        ]
         drawn = compute_bounding_box(model, visuals)
         if not joint.is_movable or box is None or drawn is None or not _measure_diagonal(drawn):
             continue
@@ -208,6 +219,34 @@ def _holds_next_joint(model: Model, link: Link) -> bool:
         if distance <= _ABOUT * _measure_diagonal(box) and _BoxPair(drawn, box).overlap >= _OWN:
             return True
     return False
+
+
+def _is_ground(model: Model, pair: _BoxPair) -> bool:
+    """Whether a sheet is drawn on top of a larger slab, and nothing moves: the ground of a simulation."""
+    drawn, solid = pair.visual_box, pair.collision_box
+    sheet = _PADDING * _measure_diagonal(drawn)
+    is_top = drawn[1, 2] - drawn[0, 2] <= sheet and abs(float(solid[1, 2] - drawn[1, 2])) <= sheet
+    return is_top and pair.ratio > 1 and not any(joint.is_movable for joint in model.joints)
+
+
+def _is_token(model: Model, link: Link, pair: _BoxPair) -> bool:
+    """Whether a link that carries others has a small primitive inside what it draws, and its counterpart has the same: the author
+    chose what touches."""
+    from urdfcheck.model.likeness.mirror_pairs import mirror_pairs  # loaded only where a finding is made
+
+    inside = (pair.visual_box[0] <= pair.collision_box[0]).all() and (pair.collision_box[1] <= pair.visual_box[1]).all()
+    is_carrier = any(joint.is_movable for joint in model.tree.child_joints[link.name])
+    if not inside or not is_carrier or any(shape.kind == "mesh" for shape in link.collisions):
+        return False
+    try:
+        known = mirror_pairs(model)
+    except FactUnavailableError:
+        return False  # an origin elsewhere is malformed
+    twins = [
+        names[1] for one in known for names in ((one.one, one.other), (one.other, one.one)) if names[0] == link.name
+    ]
+    sizes = [shape.size for shape in link.collisions]
+    return any([shape.size for shape in model.link_by_name[twin].collisions] == sizes for twin in twins)
 
 
 @dataclass(frozen=True, slots=True)

@@ -82,7 +82,9 @@ def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> st
         return _CONTINUOUS
     moved = "" if value == 0 else f", with {value:g} {joints[0].position_unit} in its <origin>"
     turned = " and an <axis> (without one it is x)" if any(joint.axis_element is None for joint in joints) else ""
-    return f"give the real range{turned}, or make the joint fixed{moved}"
+    is_open = value == 0 and all(joint.type == "revolute" for joint in joints)  # else a pose is held
+    endless = ' (or type="continuous" if it turns without end)' if is_open else ""
+    return f"give the real range{turned}{endless}, or make the joint fixed{moved}"
 
 
 def _describe_keeping(joints: Sequence[Joint], *, has_plugins: bool) -> str:

@@ -43,10 +43,15 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     yield from _check_zeros(model, rule, driven)
     moving = _drop_idle_joints(model, driven)
     absurd: dict[str, list[Joint]] = {}
+    unlimited = {name: [j for j in driven if j.get_limit_value(name) == _SDF_UNLIMITED] for name in _WANTED}
+    without_both = [joint for joint in unlimited["effort"] if joint in unlimited["velocity"]]
+    if without_both:  # as with the two placeholders below
+        yield _build_finding(rule, "both-unlimited", "effort", without_both)
     for name, most in (("effort", most_effort), ("velocity", most_velocity)):
         # Joints with the same defect come from one template or one exporter's default.
-        if negative := [joint for joint in driven if (joint.get_limit_value(name) or 0.0) < 0]:
-            is_unlimited = all(joint.get_limit_value(name) == _SDF_UNLIMITED for joint in negative)
+        negative = [j for j in driven if (j.get_limit_value(name) or 0.0) < 0 and j not in without_both]
+        if negative:
+            is_unlimited = all(joint in unlimited[name] for joint in negative)
             yield _build_finding(rule, f"{name}-unlimited" if is_unlimited else f"{name}-negative", name, negative)
         absurd[name] = [joint for joint in moving if (joint.get_limit_value(name) or 0.0) >= most]
     both = [joint for joint in absurd["effort"] if joint in absurd["velocity"]]
@@ -114,8 +119,11 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     with_motor = [joint for joint in powerless if joint.name in simulated]
     forgotten = [j for j in powerless if j not in with_motor and j.name not in still and _is_odd(j, powerless, driven)]
     without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
-    if with_motor:
-        yield _build_finding(rule, "effort-zero", "effort", with_motor)
+    # Where the velocity is 0 too, who writes the effort alone repairs half.
+    for is_still in (False, True):
+        if alike := [joint for joint in with_motor if (joint.name in still and not _is_locked(joint)) == is_still]:
+            also, speed = (' and velocity="0"', "; and the highest speed in rad/s (m/s)") if is_still else ("", "")
+            yield _build_finding(rule, "effort-zero", "effort", alike, also=also, speed=speed)
     if forgotten:
         yield _build_finding(rule, "effort-odd", "effort", forgotten)
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
@@ -131,11 +139,12 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
     unknown = is_odd and len(powerless) == len(driven)
     commanded = {joint.get("name") for _, joint in _iter_simulated_joints(model)}
-    # JNT005 reports a joint that cannot move: it needs no speed.
+    # JNT005 reports a joint that cannot move: it needs no speed. Of those with a motor, both numbers are told above.
     slow = [
         joint
         for joint in driven
         if joint.name in still
+        and joint not in with_motor
         and (unknown or joint not in without or (joint.name in commanded and not is_empty))
         and not _is_locked(joint)
     ]

@@ -73,6 +73,13 @@ def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribut
     low, high = sorted(multiplier * q + offset for q in leader_range)
     beyond = max(lower - low, high - upper)
     if beyond > slack:
+        own = f"the limits of {joint.name} to {low:.6g} … {high:.6g} {joint.position_unit}"
+        back = sorted(-multiplier * q + offset for q in leader_range)
+        if max(lower - back[0], back[1] - upper) <= slack:
+            sign = f'write multiplier="{-multiplier:g}", with which it stays within'
+            repair = f"{sign}, or set {own}: whichever moves it the right way"
+        else:
+            repair = f"set {own}, narrow those of {leader.name}, or correct multiplier and offset"
         yield rule.finding(
             "range",
             at=reference,
@@ -86,6 +93,7 @@ def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribut
             upper=upper,
             beyond=beyond,
             unit=joint.position_unit,
+            repair=repair,
         )
 
 

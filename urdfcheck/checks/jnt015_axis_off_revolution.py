@@ -35,6 +35,8 @@ _NEGLIGIBLE_MOMENT = 1e-5
 # A ball stands for a wheel that is drawn as a disc if their radii differ by no more than this share: chosen, for a tyre that is
 # rounded in one of them.
 _BALL = 0.1
+# A solid wheel has its largest moment about its axle if it is flatter than √3 radii; none is told apart near that (chosen).
+_FLAT, _LONG = 1.5, 2.0
 # A variance of at most so many times the greatest one fits, in a hull that is larger by this part of its size (as in INR005).
 _FITTING, _MARGIN = 1.1, 0.02
 
@@ -181,20 +183,45 @@ def _build_witness_finding(
     inertial = None if witness.shape is not None else wheel.link.inertial
     # A tensor that only its axis makes too large for the wheel is one defect.
     is_cause = inertial is not None and bool(others) and _fits_when_turned(model, wheel, witness.axis)
+    solid = _compare_solids(inertial, wheel, witness, others) if inertial is not None else {}
+    is_swapped = inertial is not None and bool(others) and not solid
     return rule.finding(
-        "drawn" if inertial is None else "inertia" if others else "unsure",
+        "drawn" if inertial is None else "solid" if solid else "inertia" if others else "unsure",
         at=witness.location,
         severity=Severity.INFO if inertial is not None and _is_negligible(inertial) else None,
         related=[wheel.joint.axis_location],
-        edits=_swap_moments(inertial, witness.axis, wheel.axis) if inertial is not None and others else (),
+        edits=_swap_moments(inertial, witness.axis, wheel.axis) if inertial is not None and is_swapped else (),
         kind=witness.kind,
         others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
         angle=math.degrees(measure_line_angle(witness.axis, wheel.axis)),
         own=_format_axis(witness.axis),
         # Wheels with the same numbers are merged, and the first one speaks for all.
         explains=[f"INR005 link[{name}]" for name in _list_alike(model, wheel.link)] if is_cause else [],
+        **solid,
         **wheel.names,
     )
+
+
+def _compare_solids(
+    inertial: Inertial, wheel: _SuspectWheel, witness: _AxisEvidence, others: Sequence[str]
+) -> dict[str, Any]:
+    """Describe the moments of a wheel that the ``others`` show as a disc, and that has the inertia of a rod, or the reverse.
+
+    Swapped, they are about the right axis, but remain those of the other solid. Empty where they are the wheel's own.
+    """
+    drawn = [one.shape for one in wheel.evidence if one.kind in others and one.shape is not None]
+    if not drawn or not inertial.mass:
+        return {}
+    radius, width = drawn[0].radius, drawn[0].width
+    if _FLAT * radius < width < _LONG * radius or (width <= _FLAT * radius) == witness.is_wheel:
+        return {}
+    words = ("a rod along", "a disc about")
+    return {
+        "own_solid": words[witness.is_wheel],
+        "drawn_solid": words[not witness.is_wheel],
+        "about": inertial.mass * radius**2 / 2,
+        "across": inertial.mass * (3 * radius**2 + width**2) / 12,
+    }
 
 
 def _list_alike(model: Model, link: Link) -> list[str]:

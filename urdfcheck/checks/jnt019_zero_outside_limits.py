@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Located, Rule, Severity
@@ -9,9 +10,12 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.simulation_use import has_bare_joints, is_started_elsewhere
 from urdfcheck.source.text.values import parse_number
 
 _LEAST_LEGS = 4
+# The words of joints of a leg: two of a name are enough.
+_LEG_WORDS = frozenset({"knee", "tarsus", "shin", "calf", "ankle", "foot", "leg", "hip", "thigh", "kfe", "kfj"})
 _SIMULATED = ("gazebo", "ros2_control", "transmission", "mujoco")
 
 
@@ -27,32 +31,25 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
             outside.append(joint)
         elif 0 in span:
             limiting.append(joint)
-    is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED) and not _starts_elsewhere(model)
-    is_far = any(_measure_share(joint) > notable for joint in outside)
     if outside:
-        is_warning = is_simulated and is_far and not _are_legs(outside)
         is_near = all(_is_near(joint, near, notable) for joint in outside)
-        yield _build_finding(
-            rule, "near" if is_near else "outside", outside, None if is_warning and not is_near else Severity.INFO
-        )
+        is_meant = _are_legs(outside) or has_bare_joints(model) or is_started_elsewhere(model)
+        message = "near" if is_near else "meant" if is_meant else "outside"
+        is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED)
+        is_far = any(_measure_share(joint) > notable for joint in outside)
+        is_warning = message == "outside" and is_simulated and is_far
+        yield _build_finding(rule, message, outside, None if is_warning else Severity.INFO)
     if limiting:
         yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
 
 
-def _starts_elsewhere(model: Model) -> bool:
-    """Whether a plugin of the simulator gets a start of some joints (``<initialConfiguration>``, ``<initial_position>``)."""
-    return any(
-        "initial" in element.tag.lower()
-        for block in model.robot.find_children("gazebo")
-        for plugin in block.find_children("plugin")
-        for element in plugin.walk()
-    )
-
-
 def _are_legs(joints: Sequence[Joint]) -> bool:
-    """Whether all joints are one joint of four or more like limbs: the knees of a quadruped, which bend one way only."""
-    names = {remove_places(joint.name) for joint in joints}
-    return len(joints) >= _LEAST_LEGS and len(names) == 1
+    """Whether all joints are those of legs, which bend one way only: one joint of four or more like limbs, or joints of a leg by
+    their names, each on two sides at least."""
+    counts = Counter(remove_places(joint.name) for joint in joints)
+    if len(counts) == 1 and len(joints) >= _LEAST_LEGS:
+        return True
+    return min(counts.values()) > 1 and all(not _LEG_WORDS.isdisjoint(words) for words in counts)
 
 
 def _is_near(joint: Joint, near: float, notable: float) -> bool:

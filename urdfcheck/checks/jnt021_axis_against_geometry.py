@@ -144,11 +144,18 @@ def _report_apart(model: Model, rule: Rule, found: ApartPart) -> Finding:
         at=locate_origin_attribute(joint, "xyz"),
         joint=joint.name,
         child=joint.child,
-        nearest=found.nearest,
+        nearest=_name_drawn_link(model, joint, found.nearest),
         gap=format_length(found.gap),
         size=format_length(found.size),
         joints="other joint holds parts" if found.others == 1 else f"{found.others} other joints hold parts",
     )
+
+
+def _name_drawn_link(model: Model, joint: Joint, head: str) -> str:
+    """Name a body by what it draws: the joint's parent, else the first link of it that draws something."""
+    links = model.tree.list_body_links(head)
+    drawn = [name for name in links if (link := model.link_by_name[name]).visuals or link.collisions]
+    return joint.parent if joint.parent in drawn else next(iter(drawn), head)
 
 
 def _format_direction(vector: np.ndarray) -> str:

@@ -258,6 +258,7 @@ def _build_unit_finding(rule: Rule, sizes: _SizeLimits, *, unit: float, meshes: 
         factor=max(unit, 1.0 / unit),
         drawn=drawn,
         plain=plain,
+        ignored=f"{float(f'{plain:.3g}'):,.6g}",
         right=right,
     )
     return _set_all_subjects(finding, uses)

@@ -22,6 +22,8 @@ from urdfcheck.source.text.xml import Attribute, Element
 MIN_SIMILARITY_ELSEWHERE = 0.85
 # Each suggestion compares all names.
 MAX_HINTS = 100
+# What Pinocchio calls the joint of a floating base: it reads the pose of the base from the states of an SRDF.
+_FREE_FLYER = "root_joint"
 # The attributes that name groups, by element and the element around it.
 _GROUPS = {
     ("group", "group"): ("name",),
@@ -80,6 +82,8 @@ def _collect_uses_by_name(srdf: Srdf) -> _Uses:
     uses: _Uses = {}
     for kind, attribute in srdf.iter_part_names():
         use = _NameUse(kind, attribute)
+        if use.name == _FREE_FLYER and len(attribute.owner.get("value").split()) > 1:
+            continue  # several values: a pose, not the angle of a joint
         uses.setdefault((kind, use.name), []).append(use)
     return uses
 

@@ -140,5 +140,6 @@ def _check_velocity_limit(rule: Rule, entry: JointLimits, joint: Joint, *, rel_t
             joint=joint.name,
             value=value,
             own=limit,
+            most=f"{limit:g}" if "." in f"{limit:g}" else f"{limit:.1f}",  # MoveIt 2 rejects an integer
             unit="m/s" if joint.type == "prismatic" else "rad/s",
         )

@@ -28,6 +28,8 @@ _SIMULATOR = re.compile(
 # How launch files, scripts and manifests name Gazebo Classic, and its successor.
 _CLASSIC = re.compile(r"\bgazebo_ros\b|\bgzserver\b")
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
+# The option of Gazebo's spawners that puts a joint at a position.
+_START_OPTION = re.compile(r"(?<![\w-])-J\b")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 # The names of model files, as launch files and scripts name them.
@@ -56,6 +58,18 @@ def is_left_aside(model: Model) -> bool:
     display, or for other programs."""
     named = {name for text in _list_project_texts(model) for name in _MODEL_FILE.findall(text)}
     return bool(named) and model.source.path.name not in named
+
+
+def is_started_elsewhere(model: Model) -> bool:
+    """Whether a plugin of the simulator gets a start of some joints (``<initialConfiguration>``, ``<initial_position>``), or a
+    file of the model's package, or of one that depends on it, passes one to Gazebo's spawner (``-J``)."""
+    in_plugin = any(
+        "initial" in element.tag.lower()
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.find_children("plugin")
+        for element in plugin.walk()
+    )
+    return in_plugin or any(map(_START_OPTION.search, _list_project_texts(model)))
 
 
 @fact

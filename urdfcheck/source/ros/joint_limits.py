@@ -11,6 +11,7 @@ from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 
 # Above joint_limits are only the names of parameters' owners: /**, ros__parameters, robot_description_planning.
 _MOST_LEVELS = 4
+_PARAMETERS, _PLANNING = "ros__parameters", "robot_description_planning"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -41,15 +42,22 @@ class JointLimits:
 
 
 def read_joint_limits(path: Path, finder: PackageFinder) -> tuple[JointLimits, ...]:
-    """Read the joints of a file in order; none if it is not such a file, or cannot or may not be read."""
+    """Read the joints of a file in order; none if it is not such a file, cannot or may not be read, or MoveIt does not find them:
+    in a file of parameters it reads those below ``robot_description_planning`` only."""
     try:
         value = read_located_yaml(path, finder)
     except YamlReadError:
         return ()
+    owners: list[str] = []
     for _ in range(_MOST_LEVELS):
         limits = None if value is None else value.get("joint_limits")
         if limits is not None:
+            if _PARAMETERS in owners and _PLANNING not in owners:
+                return ()
             return tuple(JointLimits(joint, entry) for joint, entry in limits.entries if entry.is_mapping)
-        below = [] if value is None else [inner for _, inner in value.entries if inner.is_mapping]
-        value = below[0] if len(below) == 1 else None
+        below = [] if value is None else [(key.text, inner) for key, inner in value.entries if inner.is_mapping]
+        if len(below) != 1:
+            return ()
+        owners.append(below[0][0])
+        value = below[0][1]
     return ()
