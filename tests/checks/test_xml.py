@@ -116,6 +116,22 @@ class TestXML001:
         (xacro,) = findings(tmp_path, text, "XML001", "robot.urdf.xacro")
         assert (plain.severity, xacro.severity) == (Severity.WARNING, Severity.ERROR)
 
+    @pytest.mark.parametrize(
+        ("tag", "address", "more"),
+        [
+            ("sensor:camera", "http://playerstage.sourceforge.net/gazebo/xmlschema/#sensor", "delete the elements"),
+            ("drake:bushing", "http://drake.mit.edu", "declare it"),
+            ("foo:bar", "…", "declare it"),
+        ],
+    )
+    def test_the_prefix_that_is_used_is_to_be_declared(
+        self, tmp_path: Path, tag: str, address: str, more: str
+    ) -> None:
+        (found,) = findings(tmp_path, f'<robot name="r"><link name="a"/><{tag}/></robot>', "XML001")
+        assert found.fix is not None
+        assert f'`xmlns:{tag.partition(":")[0]}="{address}"`' in found.fix.title
+        assert found.fix.title.startswith(more)
+
     def test_an_undeclared_xacro_prefix_in_a_urdf_is_the_defect(self, tmp_path: Path) -> None:
         text = '<robot name="r"><xacro:arm/><link name="${l}"/></robot>'
         (found,) = check_text(tmp_path, text, codes={"XML001", "XML009"}).findings
