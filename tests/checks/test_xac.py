@@ -141,6 +141,20 @@ def test_empty_file_name_names_the_argument_that_is_empty(tmp_path: Path) -> Non
     finding = only(xacro(tmp_path, text, {"XAC001"}))
     assert finding.message_id == "file-name-empty"
     assert "argument file is empty" in finding.message
+    assert finding.location.span is not None
+    assert finding.location.span.line == 3
+    assert finding.data["remedy"] == "--arg file:=…"
+
+
+@pytest.mark.parametrize("condition", ['unless value="${read}"', 'if value="${not read}"'])
+def test_a_guard_gets_a_default(tmp_path: Path, condition: str) -> None:
+    inside = '<xacro:property name="read" value="true"/><link name="a"/>'
+    guarded = f"<xacro:{condition}>{inside}</xacro:{condition.partition(' ')[0]}>"
+    finding = only(xacro(tmp_path, guarded, {"XAC001"}))
+    assert finding.fix is not None
+    written = '<xacro:property name="read" default="false"/>'
+    assert f"`{written}`" in finding.fix.title
+    assert not xacro(tmp_path, f"{written}{guarded}{written}{guarded}", {"XAC001"}).findings
 
 
 LOAD = """<xacro:arg name="left_arm" default=""/><xacro:arg name="left_dof" default=""/>
@@ -182,7 +196,7 @@ def test_a_name_without_its_beginning_is_an_empty_argument(tmp_path: Path, suffi
     text = f'<xacro:arg name="arm" default=""/><xacro:include filename="$(dirname)/arms/any{suffix}"/>'
     finding = only(xacro(tmp_path, text, {"XAC001", "PKG012"}))
     assert finding.message_id == "argument-empty"
-    assert finding.message.endswith("does not exist; there are px100, wx200")
+    assert finding.message.endswith("does not exist; known values: px100, wx200")
     assert finding.data["remedy"] == format_argument_option("arm", "px100")
     assert not xacro(tmp_path, text, {"XAC001", "PKG012"}, arguments={"arm": "wx200"}).findings
 
@@ -1088,7 +1102,7 @@ def test_a_value_set_twice_names_both_lines(tmp_path: Path) -> None:
     lines = finding.related[0].span, finding.location.span
     first, second = (span.line for span in lines if span is not None)
     assert finding.fix is not None
-    assert finding.fix.title == f"delete line {first} or {second}, whichever is wrong"
+    assert finding.fix.title.startswith(f"delete line {first} or {second}, whichever is wrong; if both")
     assert first < second
 
 
@@ -1228,7 +1242,7 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
     finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC010"}))
     assert finding.fix is not None
     assert "--arg model:=long" in finding.fix.title
-    assert finding.message.endswith("there are long, short")
+    assert finding.message.endswith("known values: long, short")
 
 
 @pytest.mark.parametrize(

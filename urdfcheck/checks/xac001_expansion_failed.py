@@ -34,7 +34,7 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
-from urdfcheck.source.text.xml import Element
+from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     Condition,
@@ -53,9 +53,13 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
+_NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
 _PATH_REPAIR = "correct the path"
+_FILE_NAME_REPAIR = (
+    "give the file name a default that exists, or read the file only when a name is given (`<xacro:if>`)"
+)
 _RELATIVE_HINT = "a relative path starts at the folder of the file that contains it"
 
 
@@ -149,7 +153,11 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         why = f"; the property with this name{where} comes later, or belongs to another macro or branch"
         repair = "define the property before its first use and outside macros, or pass the value as a parameter"
         conditions = find_conditions(trees, name, failure.problem.location.span)
-        if conditions:
+        if _is_guard(failure, defined[name]):
+            why = f"; it is set only inside this condition{where}"
+            written = f'<xacro:property name="{name}" default="false"/>'
+            repair = f"write `{written}` before this line: it sets the property only where nothing has set it"
+        elif conditions:
             why = f"; it is only defined {' or '.join(map(str, conditions))}"
             options = _choose_values(failure.source, conditions)
             repair = "define it in all other cases"
@@ -165,6 +173,15 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options
     )
+
+
+def _is_guard(failure: _ExpansionFailure, definitions: Sequence[Attribute]) -> bool:
+    """Whether a condition asks for a property that all definitions set inside it: whether its content has been read before."""
+    condition = _find_failing_element(failure)
+    if condition is None or not (condition.tag == "xacro:unless" or _NEGATED.fullmatch(condition.get("value"))):
+        return False
+    inside = {id(element) for element in condition.walk()}
+    return all(id(definition.owner) in inside for definition in definitions)
 
 
 def _choose_values(source: Source, conditions: Iterable[Condition]) -> str:
@@ -410,10 +427,17 @@ def _describe_sibling_folders(source: Source, path: Path) -> str:
 
 def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) -> _FailureReport:
     # The last definition in the chain gives the empty text.
-    origin = failure.problem.related[-1].subject if failure.problem.related else ""
-    kind, _, name = origin.partition("[")
-    given = f": {kind} {name.rstrip(']')} is empty" if name and kind != "property" else ""
-    return _build_report_at_expression(failure, "file-name-empty", given=given)
+    origin = failure.problem.related[-1] if failure.problem.related else None
+    kind, _, name = ("" if origin is None else origin.subject.removesuffix("]")).partition("[")
+    given = f": {kind} {name} is empty" if name and kind != "property" else ""
+    data = {"expression": failure.expression, "given": given}
+    if origin is None or kind != "argument":
+        return _build_report_at_expression(failure, "file-name-empty", repair=_FILE_NAME_REPAIR, **data)
+    # The argument is what must be given: the expression is as it should be.
+    options = format_argument_option(name)
+    repair = f"give a value: `{options}`; or {_FILE_NAME_REPAIR}"
+    extra = (failure.problem.location,)
+    return _build_report(failure, "file-name-empty", at=origin, extra=extra, repair=repair, remedy=options, **data)
 
 
 def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
