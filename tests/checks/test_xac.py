@@ -1014,6 +1014,32 @@ def test_robot_of_calls_without_the_prefix_is_a_model(tmp_path: Path, call: str,
     assert bool(run.skipped) == (expected is None)
 
 
+@pytest.mark.parametrize(("name", "expected"), [(' name="car"', ["XAC007"]), ("", [])])
+def test_robot_of_includes_without_the_prefix_is_a_model_and_they_are_its_parts(
+    tmp_path: Path, name: str, expected: list[str]
+) -> None:
+    head = HEAD.replace(' name="r"', "")
+    files = {
+        "parts.xacro": HEAD + WHEEL + "</robot>",
+        "body.xacro": head + '<link name="b"/><xacro:wheel name="a"/></robot>',
+        "car.urdf.xacro": head.replace("<robot", f"<robot{name}")
+        + '<include filename="parts.xacro"/><include filename="body.xacro"/></robot>',
+    }
+    run = check(write(tmp_path, files), codes={"XAC001", "XAC007"})
+    assert [f.code for f in run.findings if f.severity == Severity.ERROR] == expected
+
+
+def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/parts.xacro": HEAD + WHEEL + "</robot>",
+        "urdf/car.urdf.xacro": HEAD + '<link name="b"/><xacro:wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("include parts.xacro, which defines the macro,")
+
+
 def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
     text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))

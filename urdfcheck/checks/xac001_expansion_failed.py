@@ -233,6 +233,10 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     known = collect_macros(failure.source.trees)
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
+    defining = _find_defining_files(failure.source, name)
+    repair = "correct the name, or include the file that defines the macro before this line"
+    if defining:
+        repair = f"include {' or '.join(defining)}, which defines the macro, before this line, or correct the name"
     return _build_report(
         failure,
         "unknown-macro",
@@ -241,7 +245,20 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         files=(count := len(failure.source.trees)),
         read="the file" if count == 1 else f"the {count} files read so far",
         hint=format_name_hint(name, known) if known else "; no file defines any macro",
+        repair=repair,
     )
+
+
+def _find_defining_files(source: Source, macro: str) -> list[str]:
+    """Return the names of the few files of the package that define a macro and are not read; nothing if there are many."""
+    package = source.finder.find_package_of(source.path.absolute())
+    if package is None:
+        return []
+    paths = (path for paths in index_files([package.path]).values() for path in paths)
+    defined = read_defined_macros(paths, source.finder)
+    read = {Path(name).name for name in source.trees}
+    found = sorted(name for name, macros in defined.items() if macro in macros and name not in read)
+    return found if len(found) <= _MOST_PROPOSED else []
 
 
 def _find_later_definition(failure: _ExpansionFailure, name: str) -> Element | None:

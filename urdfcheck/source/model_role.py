@@ -7,7 +7,7 @@ from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_tex
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts
+from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts, is_include
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
 # A library of macros may include those of a package that is not installed here.
@@ -95,14 +95,21 @@ def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
 
 
 def has_unprefixed_calls(source: Source, root: Element) -> bool:
-    """Whether a file itself calls macros that make links or joints, and only forgets the prefix: xacro copies the tags."""
-    macros = collect_macros(source.trees)
-    return source.is_xacro and any(
+    """Whether a file itself calls macros that make links or joints, or includes files as a robot with a name, and only forgets
+    the prefix: xacro copies the tags."""
+    if not source.is_xacro:
+        return False
+    macros, has_name = collect_macros(source.trees), "name" in root.attributes
+    return any(
         call.parent is root
         and call.span is not None
         and call.span.file == source.name
-        and any(inner.tag in {"link", "joint"} for inner in macros[call.tag].element.walk())
-        for call in find_unprefixed_tags(source.trees, root, only_calls=True)
+        and (
+            has_name
+            if is_include(call)
+            else call.tag in macros and any(e.tag in {"link", "joint"} for e in macros[call.tag].element.walk())
+        )
+        for call in find_unprefixed_tags(source.trees, root)
     )
 
 
