@@ -281,10 +281,38 @@ class TestXML003:
 
     def test_repairs_of_several_kinds_are_all_told(self, tmp_path: Path) -> None:
         inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
-        text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="2"/>{inertial}</link></robot>'
+        text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="1"/>{inertial}</link></robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
         assert joint.fix.title == "move it into <joint>; elsewhere delete it: <inertial> beside it has its own"
+
+    @pytest.mark.parametrize(
+        ("mass", "end"),
+        [("2", "own; where the two differ (a: 2 and 1), write the right one there"), ("1.01", "own")],
+    )
+    def test_a_number_typed_twice_is_one_of_the_two(self, tmp_path: Path, mass: str, end: str) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = f'<robot name="r"><link name="a"><mass>{mass}</mass>{inertial}</link></robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert finding.fix.title.endswith(end)
+
+    @pytest.mark.parametrize(
+        ("before", "element", "repair"),
+        [
+            ('<link name="a"/>', "inertial", "move it into link a, which ends just before it"),
+            ('<link name="a"><inertial/></link>', "inertial", "delete it: link a before it has its own <inertial>"),
+            ("<gazebo/>", "inertial", "move it into <link>, or delete it where that has one already"),
+            ("", "origin", "delete it: the place of the whole robot is given where it is spawned"),
+        ],
+    )
+    def test_an_element_of_the_robot_belongs_in_the_one_before_it(
+        self, tmp_path: Path, before: str, element: str, repair: str
+    ) -> None:
+        inside = f'{before}<{element} xyz="0 0 1"><mass value="1"/></{element}><link name="b"/>'
+        found = [f for f in findings(tmp_path, f'<robot name="r">{inside}</robot>', "XML003") if f.data["tag"] == element]
+        assert found[0].fix is not None
+        assert found[0].fix.title.startswith(repair)
 
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
