@@ -899,6 +899,17 @@ class TestXML006:
         assert check_text(tmp_path, text, codes={"XML006"}).models[0].mass == 2
 
 
+    @pytest.mark.parametrize(
+        ("second", "repair"),
+        [('friction="1"', "merge them: each has what the others lack"), ('damping="2"', "delete the wrong <dynamics>")],
+    )
+    def test_two_that_complete_each_other_are_merged(self, tmp_path: Path, second: str, repair: str) -> None:
+        more = f'<dynamics damping="1"/><dynamics {second}/>'
+        (found,) = findings(tmp_path, ROBOT.format(link="", joint=JOINT.format(effort="1", more=more)), "XML006")
+        assert found.fix is not None
+        assert found.fix.title == repair
+
+
 class TestXML010:
     CAPSULE = '<collision><geometry><capsule radius="0.1" length="1"/></geometry></collision>'
 
