@@ -152,6 +152,39 @@ class TestXML009:
         assert f"contains {held} xacro" in found.message
 
     @pytest.mark.parametrize(
+        ("body", "repair"),
+        [
+            ('<mesh filename="file://$(find p)/a.stl"/>', "write `package://p/…` for `file://$(find p)/…`, or let"),
+            ('<mesh filename="$(find p)/$(arg a).stl"/>', "let the launch file run xacro"),
+        ],
+    )
+    def test_a_path_in_a_package_needs_no_xacro(self, tmp_path: Path, body: str, repair: str) -> None:
+        visual = f"<visual><geometry>{body}</geometry></visual>"
+        text = f'<robot name="r"><link name="a">{visual}</link></robot>'
+        (found,) = check_text(tmp_path, text, codes={"XML009"}).findings
+        assert found.fix is not None
+        assert found.fix.title.startswith(repair)
+
+    @pytest.mark.parametrize(
+        ("launch", "name", "severity"),
+        [
+            ("<launch/>", "$(find p)", Severity.INFO),
+            ('<launch><param name="robot_description" textfile="$(find p)/r.urdf"/></launch>', "$(find p)", Severity.WARNING),
+            ("<launch/>", "${size}", Severity.WARNING),  # xacro would not know it
+        ],
+    )
+    def test_xacro_in_a_block_for_gazebo_matters_where_nothing_expands_it(
+        self, tmp_path: Path, launch: str, name: str, severity: Severity
+    ) -> None:
+        (tmp_path / "package.xml").write_text("<package format='2'><name>p</name></package>")
+        (tmp_path / "show.launch").write_text(launch)
+        block = f'<gazebo><plugin name="a" filename="a.so"><yaml>{name}/a.yaml</yaml></plugin></gazebo>'
+        (found,) = check_text(
+            tmp_path, f'<robot name="r"><link name="a"/>{block}</robot>', "r.urdf", codes={"XML009"}
+        ).findings
+        assert (found.message_id, found.severity) == ("gazebo", severity)
+
+    @pytest.mark.parametrize(
         ("body", "message", "severity"),
         [
             ('<xacro:property name="side" value="1"/>', "leftover", Severity.INFO),
@@ -193,6 +226,12 @@ class TestXML002:
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")
         (found,) = check(tmp_path, codes={"XML002"}).findings
         assert named.severity is found.severity is Severity.WARNING
+
+    def test_a_part_that_hangs_on_a_link_elsewhere_is_told_as_that(self, tmp_path: Path) -> None:
+        joint = '<joint name="j" type="fixed"><parent link="hand"/><child link="a"/></joint>'
+        text = f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/>{joint}</robot>'
+        run = check_text(tmp_path, text, "camera.xacro", codes={"XML002", "KIN002"})
+        assert [f.code for f in run.findings] == ["KIN002"]
 
     def test_empty_robot_in_a_folder_is_a_placeholder(self, tmp_path: Path) -> None:
         (tmp_path / "empty.urdf").write_text("<robot></robot>")
@@ -529,6 +568,26 @@ class TestXML005:
         assert finding.fix is not None
         assert finding.fix.title.startswith('write ixy="0" ixz="0" iyz="0" if')
         assert "delete" not in finding.fix.title  # an inertial needs its inertia
+
+    @pytest.mark.parametrize(
+        ("mass", "repair"),
+        [
+            ("<mass> 7.0 </mass>", 'write `value="7.0"`: the number is typed between the tags'),
+            ("<mass/>", "write the attribute value"),
+        ],
+    )
+    def test_a_number_between_the_tags_is_the_missing_one(self, tmp_path: Path, mass: str, repair: str) -> None:
+        inertial = f'<inertial>{mass}<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inertial}</link></robot>', "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title == repair
+
+    @pytest.mark.parametrize(("axis", "repair"), [('xzy="0 0 1"', "`xyz` for `xzy`"), ("", "its xyz")])
+    def test_an_idle_axis_may_be_misspelt(self, tmp_path: Path, axis: str, repair: str) -> None:
+        joint = f'<joint name="j" type="fixed"><parent link="a"/><child link="b"/><axis {axis}/></joint>'
+        (finding,) = findings(tmp_path, ROBOT.format(link="", joint=joint), "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title == f"delete the <axis>, or write {repair}"
 
     @pytest.mark.parametrize(
         ("link", "loss"),
@@ -1019,6 +1078,13 @@ class TestXML013:
         assert finding.fix is not None
         assert [edit.replacement for edit in finding.fix.edits] == ([written] if written else [])
 
+    def test_a_number_may_have_lost_its_point(self, tmp_path: Path) -> None:
+        text = LINK.format(robot='<material name="m"><color rgba="0.0 0.0 0.0 05"/></material>', link="")
+        (finding,) = findings(tmp_path, text, "XML013")
+        assert "0.0 0.0 0.0 05" in finding.message
+        assert finding.fix is not None
+        assert finding.fix.title == "write each component between 0 and 1, perhaps 0.5 for 05"
+
     @pytest.mark.parametrize("rgba", ["0 0 0 0", "1 1 1 1", "1 1 1", "a 0 0 1"])
     def test_within_the_range(self, tmp_path: Path, rgba: str) -> None:
         assert not findings(
@@ -1090,13 +1156,13 @@ def test_an_attribute_for_isaac_gym_is_known(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("place", "message", "severity"),
     [
-        ('<gazebo><plugin name="p" filename="p.so"><ns>$(arg ns)</ns></plugin></gazebo>', "gazebo", Severity.WARNING),
-        ('<gazebo reference="$(arg ns)"/>', "gazebo", Severity.WARNING),
+        ('<gazebo><plugin name="p" filename="p.so"><ns>$(arg ns)</ns></plugin></gazebo>', "gazebo", Severity.INFO),
+        ('<gazebo reference="$(arg ns)"/>', "gazebo", Severity.INFO),
         ('<link name="${ns}"/><gazebo reference="$(arg ns)"/>', "not_expanded", Severity.ERROR),
         ('<link name="$(arg ns)"/><gazebo reference="$(arg ns)"/>', "part", Severity.WARNING),
     ],
 )
-def test_substitutions_that_only_gazebo_reads_are_a_warning(
+def test_substitutions_that_only_gazebo_reads_are_a_note(
     tmp_path: Path, place: str, message: str, severity: Severity
 ) -> None:
     (finding,) = check_text(tmp_path, f'<robot name="r"><link name="a"/>{place}</robot>', codes={"XML009"}).findings

@@ -65,7 +65,7 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
         return MODEL
-    elsewhere = _explain_joint_to_elsewhere(root)
+    elsewhere = explain_joint_to_elsewhere(root)
     reason = _explain_incompleteness(root, elsewhere)
     return ModelRole("part", reason, has_whole_links=not elsewhere) if reason else MODEL
 
@@ -142,7 +142,7 @@ def _explain_incompleteness(root: Element, elsewhere: str) -> str:
     return elsewhere or ("" if len(_collect_links(root) - children) == 1 else "its links are not one tree")
 
 
-def _explain_joint_to_elsewhere(root: Element) -> str:
+def explain_joint_to_elsewhere(root: Element) -> str:
     """Return which joint names a link that the robot has not, and of whose name it is not a misspelling; empty if none does."""
     links = _collect_links(root)
     for joint in root.find_children("joint"):
