@@ -126,6 +126,20 @@ class TestNAM003:
         run = check_text(tmp_path, f'<robot name="{name}"><link name="a"/></robot>', f"{file}.urdf", codes={"NAM003"})
         assert bool(run.findings) == found
 
+    @pytest.mark.parametrize(
+        ("folder", "repair"),
+        [
+            ("quadruped_description", 'write `name="quadruped"`, as the folder quadruped_description has it'),
+            ("models", "use the same spelling for both"),
+        ],
+    )
+    def test_the_folder_may_know_the_spelling(self, tmp_path: Path, folder: str, repair: str) -> None:
+        (tmp_path / folder / "urdf").mkdir(parents=True)
+        (tmp_path / folder / "urdf/quadruped.urdf").write_text('<robot name="quadroped"><link name="a"/></robot>')
+        (finding,) = check(tmp_path / folder / "urdf/quadruped.urdf", codes={"NAM003"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
+
 
 def links(*names: str) -> str:
     return "".join(f'<link name="{name}"/>' for name in names)

@@ -266,6 +266,13 @@ def test_property_that_comes_later_is_told_as_that(tmp_path: Path, more: str) ->
     assert finding.data["remedy"] == ""
 
 
+def test_a_file_whose_name_has_other_capitals_is_meant(tmp_path: Path) -> None:
+    (tmp_path / "arm.trans").write_text("<robot/>")
+    finding = only(xacro(tmp_path, '<xacro:include filename="Arm.trans"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `arm.trans`, or rename the file")
+
+
 def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Path) -> None:
     (tmp_path / "meterials.xacro").write_text("<robot/>")
     text = '<xacro:arg name="prefix" default=""/><xacro:include filename="$(arg prefix)materials.xacro"/>'

@@ -349,6 +349,9 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
         correction = f"write `$(find {package.name})/{place}` if that is the one, or {_PATH_REPAIR}"
+    same = next((name for name in beside if name != path.name and name.lower() == path.name.lower()), None)
+    if same is not None:
+        correction = f"write `{same}`, or rename the file: Linux tells capital letters from small ones"
     repair = correction
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
         repair = "write `/` for each backslash"
