@@ -428,7 +428,8 @@ def test_massless_links_that_would_be_dropped_next_need_a_mass_too(tmp_path: Pat
     parts += [joint(f"j{i}", one, two, kind="continuous") for i, (one, two) in enumerate(pairwise(names))]
     (finding,) = check_text(tmp_path, robot(*parts), codes={"KIN010"}).findings
     assert finding.fix is not None
-    assert finding.fix.title.startswith("give map (and x, yaw below it, which would be dropped next) a mass and moments of inertia, or")
+    start = "give map (and x, yaw below it, which would be dropped next) a mass and moments of inertia, or"
+    assert finding.fix.title.startswith(start)
 
 
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:

@@ -350,7 +350,10 @@ class TestNAM005:
 
     @pytest.mark.parametrize(
         ("names", "repair"),
-        [(("cap_right", "cap_left"), "swap the children of the joints cap_right and cap_left,"), (("a", "b"), "swap the names")],
+        [
+            (("cap_right", "cap_left"), "swap the children of the joints cap_right and cap_left,"),
+            (("a", "b"), "swap the names"),
+        ],
     )
     def test_joints_that_say_their_side_have_swapped_children(
         self, tmp_path: Path, names: tuple[str, str], repair: str

@@ -124,9 +124,7 @@ class TestXML001:
             ("foo:bar", "…", "declare it"),
         ],
     )
-    def test_the_prefix_that_is_used_is_to_be_declared(
-        self, tmp_path: Path, tag: str, address: str, more: str
-    ) -> None:
+    def test_the_prefix_that_is_used_is_to_be_declared(self, tmp_path: Path, tag: str, address: str, more: str) -> None:
         (found,) = findings(tmp_path, f'<robot name="r"><link name="a"/><{tag}/></robot>', "XML001")
         assert found.fix is not None
         assert f'`xmlns:{tag.partition(":")[0]}="{address}"`' in found.fix.title
@@ -169,7 +167,11 @@ class TestXML009:
         ("launch", "name", "severity"),
         [
             ("<launch/>", "$(find p)", Severity.INFO),
-            ('<launch><param name="robot_description" textfile="$(find p)/r.urdf"/></launch>', "$(find p)", Severity.WARNING),
+            (
+                '<launch><param name="robot_description" textfile="$(find p)/r.urdf"/></launch>',
+                "$(find p)",
+                Severity.WARNING,
+            ),
             ("<launch/>", "${size}", Severity.WARNING),  # xacro would not know it
         ],
     )
@@ -349,7 +351,9 @@ class TestXML003:
         self, tmp_path: Path, before: str, element: str, repair: str
     ) -> None:
         inside = f'{before}<{element} xyz="0 0 1"><mass value="1"/></{element}><link name="b"/>'
-        found = [f for f in findings(tmp_path, f'<robot name="r">{inside}</robot>', "XML003") if f.data["tag"] == element]
+        found = [
+            f for f in findings(tmp_path, f'<robot name="r">{inside}</robot>', "XML003") if f.data["tag"] == element
+        ]
         assert found[0].fix is not None
         assert found[0].fix.title.startswith(repair)
 
@@ -956,7 +960,6 @@ class TestXML006:
         text = ROBOT.format(link=inertial.format(2) + inertial.format(3), joint=JOINT.format(effort="1", more=""))
         assert pinocchio.buildModelFromXML(text).inertias[1].mass == 2
         assert check_text(tmp_path, text, codes={"XML006"}).models[0].mass == 2
-
 
     @pytest.mark.parametrize(
         ("second", "repair"),

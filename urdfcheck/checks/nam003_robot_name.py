@@ -28,7 +28,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     stem = PurePosixPath(model.source.name).name.split(".")[0]
     if _is_misspelt_name(name.value, stem):
         folder = next((f.name for f in model.source.path.absolute().parents if _is_spelled_in(stem, f.name)), None)
-        repair = "use the same spelling for both" if folder is None else f'write `name="{stem}"`, as the folder {folder} has it'
+        repair = (
+            "use the same spelling for both"
+            if folder is None
+            else f'write `name="{stem}"`, as the folder {folder} has it'
+        )
         yield rule.finding("misspelt", at=name, name=name.value, file=stem, repair=repair)
         return
     package = model.package

@@ -85,8 +85,8 @@ def _describe_declaration(problem: Problem) -> str:
         return f'declare it in the root element: `xmlns:{prefix}="{_ADDRESSES[prefix]}"`'
     if prefix in _PREFIXES_OF_GAZEBO:
         return (
-            "delete the elements with this prefix, which Gazebo has not read since 1.0 (2012), or declare it in the root element: "
-            f'`xmlns:{prefix}="{_GAZEBO_ADDRESS}{prefix}"`'
+            "delete the elements with this prefix, which Gazebo has not read since 1.0 (2012), or declare it in the root "
+            f'element: `xmlns:{prefix}="{_GAZEBO_ADDRESS}{prefix}"`'
         )
     return f'declare it in the root element (`xmlns:{prefix}="…"`), or delete what has it if no program needs that'
 

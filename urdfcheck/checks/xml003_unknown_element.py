@@ -316,7 +316,9 @@ def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str
     before = _find_element_before(places[0])
     if before is None or before.tag not in homes:
         if places[0].tag == "origin":
-            return "delete it: the place of the whole robot is given where it is spawned, or by a joint from a root link"
+            return (
+                "delete it: the place of the whole robot is given where it is spawned, or by a joint from a root link"
+            )
         return f"move it into {listed}, or delete it where that has one already"
     owner = f"{before.tag} {before.get('name')}"
     others = ", and the others likewise" if len(places) > 1 else ""
