@@ -30,7 +30,7 @@ CONSEQUENCES = {
 _INCLUDED = "if a xacro includes the file, check that one; otherwise "
 _DECLARING = "declare `xmlns:xacro` in the root element and "
 _RUNNING_XACRO = (
-    "let the launch file run xacro (ROS 1: `command=\"xacro …\"` instead of `textfile`; "
+    'let the launch file run xacro (ROS 1: `command="xacro …"` instead of `textfile`; '
     "ROS 2: `Command(['xacro ', path])`)"
 )
 # A path of a mesh or texture in a package, which every program of ROS finds as package:// too.
