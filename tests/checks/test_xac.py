@@ -273,6 +273,18 @@ def test_a_file_whose_name_has_other_capitals_is_meant(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("write `arm.trans`, or rename the file")
 
 
+def test_a_path_from_another_folder_is_written_from_that_of_the_file(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "xacro/parts/wheel.xacro": HEAD + "</robot>",
+        "xacro/car.urdf.xacro": HEAD + '<xacro:include filename="xacro/parts/wheel.xacro"/><link name="b"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "xacro/car.urdf.xacro", codes={"XAC001"}))
+    assert "only from" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title == "write `parts/wheel.xacro`"
+
+
 def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Path) -> None:
     (tmp_path / "meterials.xacro").write_text("<robot/>")
     text = '<xacro:arg name="prefix" default=""/><xacro:include filename="$(arg prefix)materials.xacro"/>'

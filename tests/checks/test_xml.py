@@ -357,6 +357,13 @@ class TestXML003:
         assert found[0].fix is not None
         assert found[0].fix.title.startswith(repair)
 
+    def test_an_element_before_its_twin_is_left_over(self, tmp_path: Path) -> None:
+        joint = '<joint name="j" type="fixed"><origin xyz="0.0 0 1"/><parent link="a"/><child link="b"/></joint>'
+        text = f'<robot name="r"><link name="a"/><link name="b"/><origin rpy="0 0 0" xyz="0 0 1"/>{joint}</robot>'
+        (found,) = findings(tmp_path, text, "XML003")
+        assert found.fix is not None
+        assert found.fix.title == "delete it: joint j after it has the same"
+
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
         assert finding.message_id == "misplaced"

@@ -352,6 +352,11 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     same = next((name for name in beside if name != path.name and name.lower() == path.name.lower()), None)
     if same is not None:
         correction = f"write `{same}`, or rename the file: Linux tells capital letters from small ones"
+    start = _find_other_start(failure)
+    if start is not None:
+        folder, wanted = start
+        near = f": xacro starts at the folder of the file, and the path leads to it only from {format_path(folder)}"
+        correction = f"write `{wanted}`"
     repair = correction
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
         repair = "write `/` for each backslash"
@@ -367,6 +372,25 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _find_other_start(failure: _ExpansionFailure) -> tuple[Path, str] | None:
+    """Return the folder from which a relative path of an include leads to a file, and the path from the folder of its own file.
+
+    Some programs start where they run, and so did early releases of xacro.
+    """
+    element = _find_failing_element(failure)
+    typed = "" if element is None or element.tag != "xacro:include" else element.get("filename")
+    span, finder = failure.problem.location.span, failure.source.finder
+    if not typed or "$" in typed or os.path.isabs(typed) or span is None or span.file not in failure.source.files:
+        return None
+    own = failure.source.files[span.file].path.absolute().parent
+    for folder in own.parents:
+        if not finder.can_open(folder):
+            return None
+        if finder.can_open(folder / typed) and (folder / typed).is_file():
+            return folder, Path(os.path.relpath(folder / typed, own)).as_posix()
+    return None
 
 
 def _names_package(failure: _ExpansionFailure) -> bool:

@@ -313,24 +313,34 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
 
 def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str) -> str:
     """Say where an element directly in the robot belongs: in the element before it, whose end tag is often typed too early."""
-    before = _find_element_before(places[0])
+    place = places[0]
+    before, after = _find_neighbours(place)
+    others = ", and the others likewise" if len(places) > 1 else ""
+    same = (
+        after is not None
+        and after.tag in homes
+        and any(_read_values(other) == _read_values(place) for other in after.find_children(place.tag))
+    )
+    if same and after is not None:
+        return f"delete it: {after.tag} {after.get('name')} after it has the same{others}"
     if before is None or before.tag not in homes:
-        if places[0].tag == "origin":
+        if place.tag == "origin":
             return (
                 "delete it: the place of the whole robot is given where it is spawned, or by a joint from a root link"
             )
         return f"move it into {listed}, or delete it where that has one already"
     owner = f"{before.tag} {before.get('name')}"
-    others = ", and the others likewise" if len(places) > 1 else ""
-    if places[0].tag not in _REPEATED.get(before.tag, frozenset()) and before.find_child(places[0].tag) is not None:
-        return f"delete it: {owner} before it has its own <{places[0].tag}>{others}"
+    if place.tag not in _REPEATED.get(before.tag, frozenset()) and before.find_child(place.tag) is not None:
+        return f"delete it: {owner} before it has its own <{place.tag}>{others}"
     return f"move it into {owner}, which ends just before it{others}"
 
 
-def _find_element_before(element: Element) -> Element | None:
+def _find_neighbours(element: Element) -> tuple[Element | None, Element | None]:
+    """Return the elements before and after one."""
     siblings = [] if element.parent is None else element.parent.children
     index = next((i for i, sibling in enumerate(siblings) if sibling is element), 0)
-    return siblings[index - 1] if index else None
+    before = siblings[index - 1] if index else None
+    return before, siblings[index + 1] if index + 1 < len(siblings) else None
 
 
 def _describe_difference(places: list[Element], home: str) -> str:
