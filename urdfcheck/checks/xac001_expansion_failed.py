@@ -351,7 +351,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         correction = f"write `$(find {package.name})/{place}` if that is the one, or {_PATH_REPAIR}"
     same = next((name for name in beside if name != path.name and name.lower() == path.name.lower()), None)
     if same is not None:
-        correction = f"write `{same}`, or rename the file: Linux tells capital letters from small ones"
+        correction = f"write `{same}`, or rename the file: on Linux a capital letter is another one"
     start = _find_other_start(failure)
     if start is not None:
         folder, wanted = start
