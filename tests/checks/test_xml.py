@@ -163,6 +163,19 @@ class TestXML009:
         assert found.fix is not None
         assert found.fix.title.startswith(repair)
 
+    @pytest.mark.parametrize("text", ["<launch/>", '<param name="robot_description" textfile="$(find p)/arm.urdf"/>'])
+    def test_a_urdf_that_a_xacro_includes_is_expanded_there(self, tmp_path: Path, text: str) -> None:
+        ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        (tmp_path / "package.xml").write_text("<package format='2'><name>p</name></package>")
+        (tmp_path / "show.launch").write_text(text if text == "<launch/>" else f"<launch>{text}</launch>")
+        (tmp_path / "arm.urdf").write_text('<robot name="arm"><link name="${side}"/></robot>')
+        including = '<xacro:property name="side" value="a"/><xacro:include filename="arm.urdf"/>'
+        (tmp_path / "r.urdf.xacro").write_text(f'<robot name="r" {ns}>{including}</robot>')
+        (found,) = check(tmp_path, codes={"XML009"}).findings
+        assert (found.message_id, found.severity) == (
+            ("included", Severity.INFO) if text == "<launch/>" else ("not_expanded", Severity.ERROR)
+        )
+
     @pytest.mark.parametrize(
         ("launch", "name", "severity"),
         [

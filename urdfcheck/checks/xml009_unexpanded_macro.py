@@ -27,7 +27,6 @@ CONSEQUENCES = {
 }
 
 
-_INCLUDED = "if a xacro includes the file, check that one; otherwise "
 _DECLARING = "declare `xmlns:xacro` in the root element and "
 _RUNNING_XACRO = (
     'let the launch file run xacro (ROS 1: `command="xacro …"` instead of `textfile`; '
@@ -91,9 +90,21 @@ def _build_plain_finding(
     texts = [text for _, text, _ in remaining]
     if remaining and _is_left_over(source, texts):
         return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
+    is_handed = bool(remaining) and is_handed_as_it_is(source.path, source.finder)
+    if remaining and has_read and source.is_part and not is_handed:
+        return rule.finding(
+            "included",
+            at=where,
+            severity=Severity.INFO,
+            consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
+            text=_shorten_expression(text),
+            held=held,
+            contents=contents,
+            repair=_describe_repair(source, texts),
+        )
     if remaining and not has_read:
         handed = [place for plugin in root.walk() if plugin.tag == "plugin" for place in _find_all_unexpanded(plugin)]
-        is_lost = _find_undefined_name(texts) is not None or is_handed_as_it_is(source.path, source.finder)
+        is_lost = is_handed or (not source.is_part and _find_undefined_name(texts) is not None)
         return rule.finding(
             "gazebo",
             at=where,
@@ -167,16 +178,13 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
     if source.is_output_of_xacro and all(text.startswith("<xacro:") for text in texts):
         call = next(text for text in texts if text not in _DEFINITIONS)
         return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
-    included = _INCLUDED if source.is_part else ""
     unknown = _find_undefined_name(texts)
     if unknown is not None:
-        return (
-            f"{included}write the value in its place: the file does not define {unknown}, so xacro would stop at it too"
-        )
+        return f"write the value in its place: the file does not define {unknown}, so xacro would stop at it too"
     root = source.main_tree
     has_tags = any(text.startswith("<") for text in texts)
     declaring = _DECLARING if has_tags and root is not None and "xmlns:xacro" not in root.attributes else ""
-    return f"{included}{_describe_package_paths(source, texts)}{declaring}{_RUNNING_XACRO}"
+    return f"{_describe_package_paths(source, texts)}{declaring}{_RUNNING_XACRO}"
 
 
 def _describe_package_paths(source: Source, texts: Sequence[str]) -> str:
