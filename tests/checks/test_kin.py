@@ -25,6 +25,9 @@ def make_tree(links: str, *joints: str) -> str:
     )
 
 
+MOUNT = '<joint name="mount" type="fixed"><parent link="base"/><child link="arm"/></joint>'
+
+
 def codes(run: Run) -> list[str]:
     assert not run.failures
     return [f.code for f in run.findings]
@@ -68,14 +71,23 @@ def test_a_loop_is_lost_only_if_the_tree_does_not_lead_into_it(tmp_path: Path, t
     assert ("pinocchio" in finding.consequences) == urdfdom.startswith("loads")
 
 
-@pytest.mark.parametrize(("root", "is_part"), [('<robot name="r"', False), ("<robot", True)])
-def test_a_nameless_part_is_to_be_included(tmp_path: Path, root: str, is_part: bool) -> None:
-    text = make_tree("camera", "base camera").replace(
+@pytest.mark.parametrize(
+    ("root", "links", "repair"),
+    [
+        ('<robot name="r"', "camera", "include camera.xacro from the robot that has base;"),
+        ('<robot name="r"', "camera table", 'name an existing link, or add `<link name="base"/>` and the joint'),
+        ("<robot", "camera table", "include camera.xacro from the robot that has base;"),
+    ],
+)
+def test_a_part_is_to_be_included_and_a_robot_keeps_one_root(
+    tmp_path: Path, root: str, links: str, repair: str
+) -> None:
+    text = make_tree(links, "base camera").replace(
         '<robot name="r"', f'{root} xmlns:xacro="http://www.ros.org/wiki/xacro"'
     )
     (finding,) = check_text(tmp_path, text, codes={"KIN002"}, name="camera.xacro").findings
     assert finding.fix is not None
-    assert finding.fix.title.startswith("include the file") == is_part
+    assert finding.fix.title.startswith(repair)
 
 
 @pytest.mark.parametrize(("parent", "drake"), [("world", "loads it"), ("wrld", "refuses the file")])
@@ -83,6 +95,21 @@ def test_drake_needs_no_link_for_its_world_body(tmp_path: Path, parent: str, dra
     (finding,) = check_text(tmp_path, make_tree("pallet", f"{parent} pallet"), codes={"KIN002"}).findings
     assert finding.consequences["drake"].startswith(drake)
     assert finding.consequences["mujoco"] == "refuses the file"
+
+
+@pytest.mark.parametrize(
+    ("joints", "repair"),
+    [
+        (("a shin",), "rename one of them, or delete it if it is a copy"),
+        (("a shin", "b shin"), "rename one of them, and the child of the joint that holds it: j0 or j1"),
+    ],
+)
+def test_another_name_for_a_link_is_written_in_its_joint_too(
+    tmp_path: Path, joints: tuple[str, ...], repair: str
+) -> None:
+    (finding,) = check_text(tmp_path, make_tree("a b shin shin", *joints), codes={"KIN001"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == repair
 
 
 def test_a_copied_joint_is_a_duplicate_and_not_a_second_parent(tmp_path: Path) -> None:
@@ -401,7 +428,8 @@ def test_massless_links_that_would_be_dropped_next_need_a_mass_too(tmp_path: Pat
     parts += [joint(f"j{i}", one, two, kind="continuous") for i, (one, two) in enumerate(pairwise(names))]
     (finding,) = check_text(tmp_path, robot(*parts), codes={"KIN010"}).findings
     assert finding.fix is not None
-    assert finding.fix.title.startswith("give map (and x, yaw below it, which would be dropped next) a mass, or")
+    start = "give map (and x, yaw below it, which would be dropped next) a mass and moments of inertia, or"
+    assert finding.fix.title.startswith(start)
 
 
 def test_an_empty_model_is_an_error_where_gazebo_is_the_target(tmp_path: Path) -> None:
@@ -475,6 +503,11 @@ def test_joint_with_the_child_of_another_is_one_slip(
         (make_tree("a b c", "a c", "b c"), "roots", "keep one"),  # either root may be the robot's
         (make_tree("a b c d e", "a b", "b c", "d e", "e c"), "roots", "keep one"),
         (make_tree("base crank rod", "base crank", "crank rod", "base rod"), "several", "real loop"),
+        (
+            make_tree("base arm", "base arm").replace("</robot>", MOUNT + "</robot>"),
+            "repeated",
+            "delete all of these joints but one",
+        ),
     ],
 )
 def test_a_link_below_two_roots_is_told_from_a_linkage(tmp_path: Path, text: str, message: str, repair: str) -> None:

@@ -302,6 +302,7 @@ def test_a_camera_on_its_optical_frame_is_moved_before_the_frame_is_rotated(
     ("properties", "words", "edits"),
     [
         ('<joint_properties damping="0.5" friction="2"/>', "programs then use damping 0.5, friction 2", 1),
+        ('<joint_properties damping="1." friction="1.0"/>', "programs then use damping 1, friction 1", 1),
         ('<joint_properties damping="100" friction="1000"/>', "less friction than `1000`", 0),
         (
             '<joint_properties damping="1"/><joint_properties friction="1"/>',

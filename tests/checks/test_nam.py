@@ -126,6 +126,20 @@ class TestNAM003:
         run = check_text(tmp_path, f'<robot name="{name}"><link name="a"/></robot>', f"{file}.urdf", codes={"NAM003"})
         assert bool(run.findings) == found
 
+    @pytest.mark.parametrize(
+        ("folder", "repair"),
+        [
+            ("quadruped_description", 'write `name="quadruped"`, as the folder quadruped_description has it'),
+            ("models", "use the same spelling for both"),
+        ],
+    )
+    def test_the_folder_may_know_the_spelling(self, tmp_path: Path, folder: str, repair: str) -> None:
+        (tmp_path / folder / "urdf").mkdir(parents=True)
+        (tmp_path / folder / "urdf/quadruped.urdf").write_text('<robot name="quadroped"><link name="a"/></robot>')
+        (finding,) = check(tmp_path / folder / "urdf/quadruped.urdf", codes={"NAM003"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
+
 
 def links(*names: str) -> str:
     return "".join(f'<link name="{name}"/>' for name in names)
@@ -333,6 +347,23 @@ class TestNAM005:
             for end in ("front", "rear")
         )
         assert bool(find(tmp_path, robot(body), "NAM005")) is found
+
+    @pytest.mark.parametrize(
+        ("names", "repair"),
+        [
+            (("cap_right", "cap_left"), "swap the children of the joints cap_right and cap_left,"),
+            (("a", "b"), "swap the names"),
+        ],
+    )
+    def test_joints_that_say_their_side_have_swapped_children(
+        self, tmp_path: Path, names: tuple[str, str], repair: str
+    ) -> None:
+        body = self.robot(*self.USUAL) + links("left_part", "right_part")
+        body += make_joint(names[0], "base_link", "left_part", 'xyz="0 -0.1 0"', "fixed")
+        body += make_joint(names[1], "base_link", "right_part", 'xyz="0 0.1 0"', "fixed")
+        (finding,) = find(tmp_path, robot(body), "NAM005")
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
 
     def test_one_against_one_decides_nothing(self, tmp_path: Path) -> None:
         assert not find(tmp_path, robot(self.robot(self.USUAL[0], ("left_lidar", "right_lidar", -0.2))), "NAM005")

@@ -1055,8 +1055,8 @@ CHOSEN = (
 @pytest.mark.parametrize(
     ("filename", "expected"),
     [
-        ("package://p/meshes/${model}/a.stl", "; argument type (default 'small') leads there; there is large"),
-        ("package://p/meshes/${model}/never.stl", "; argument type (default 'small') leads there; there is large"),
+        ("package://p/meshes/${model}/a.stl", "; argument type (default 'small') leads there; known value: large"),
+        ("package://p/meshes/${model}/never.stl", "; argument type (default 'small') leads there; known value: large"),
         ("package://p/meshes/none/a.stl", ""),
     ],
 )

@@ -141,6 +141,20 @@ def test_empty_file_name_names_the_argument_that_is_empty(tmp_path: Path) -> Non
     finding = only(xacro(tmp_path, text, {"XAC001"}))
     assert finding.message_id == "file-name-empty"
     assert "argument file is empty" in finding.message
+    assert finding.location.span is not None
+    assert finding.location.span.line == 3
+    assert finding.data["remedy"] == "--arg file:=…"
+
+
+@pytest.mark.parametrize("condition", ['unless value="${read}"', 'if value="${not read}"'])
+def test_a_guard_gets_a_default(tmp_path: Path, condition: str) -> None:
+    inside = '<xacro:property name="read" value="true"/><link name="a"/>'
+    guarded = f"<xacro:{condition}>{inside}</xacro:{condition.partition(' ')[0]}>"
+    finding = only(xacro(tmp_path, guarded, {"XAC001"}))
+    assert finding.fix is not None
+    written = '<xacro:property name="read" default="false"/>'
+    assert f"`{written}`" in finding.fix.title
+    assert not xacro(tmp_path, f"{written}{guarded}{written}{guarded}", {"XAC001"}).findings
 
 
 LOAD = """<xacro:arg name="left_arm" default=""/><xacro:arg name="left_dof" default=""/>
@@ -182,7 +196,7 @@ def test_a_name_without_its_beginning_is_an_empty_argument(tmp_path: Path, suffi
     text = f'<xacro:arg name="arm" default=""/><xacro:include filename="$(dirname)/arms/any{suffix}"/>'
     finding = only(xacro(tmp_path, text, {"XAC001", "PKG012"}))
     assert finding.message_id == "argument-empty"
-    assert finding.message.endswith("does not exist; there are px100, wx200")
+    assert finding.message.endswith("does not exist; known values: px100, wx200")
     assert finding.data["remedy"] == format_argument_option("arm", "px100")
     assert not xacro(tmp_path, text, {"XAC001", "PKG012"}, arguments={"arm": "wx200"}).findings
 
@@ -250,6 +264,25 @@ def test_property_that_comes_later_is_told_as_that(tmp_path: Path, more: str) ->
     finding = only(xacro(tmp_path, f"{CONDITIONAL}\n{more}", {"XAC001"}))
     assert "comes later, or belongs to another macro or branch" in finding.message
     assert finding.data["remedy"] == ""
+
+
+def test_a_file_whose_name_has_other_capitals_is_meant(tmp_path: Path) -> None:
+    (tmp_path / "arm.trans").write_text("<robot/>")
+    finding = only(xacro(tmp_path, '<xacro:include filename="Arm.trans"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `arm.trans`, or rename the file")
+
+
+def test_a_path_from_another_folder_is_written_from_that_of_the_file(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "xacro/parts/wheel.xacro": HEAD + "</robot>",
+        "xacro/car.urdf.xacro": HEAD + '<xacro:include filename="xacro/parts/wheel.xacro"/><link name="b"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "xacro/car.urdf.xacro", codes={"XAC001"}))
+    assert "only from" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title == "write `parts/wheel.xacro`"
 
 
 def test_slip_in_a_path_with_an_empty_argument_is_told_at_the_path(tmp_path: Path) -> None:
@@ -1000,6 +1033,32 @@ def test_robot_of_calls_without_the_prefix_is_a_model(tmp_path: Path, call: str,
     assert bool(run.skipped) == (expected is None)
 
 
+@pytest.mark.parametrize(("name", "expected"), [(' name="car"', ["XAC007"]), ("", [])])
+def test_robot_of_includes_without_the_prefix_is_a_model_and_they_are_its_parts(
+    tmp_path: Path, name: str, expected: list[str]
+) -> None:
+    head = HEAD.replace(' name="r"', "")
+    files = {
+        "parts.xacro": HEAD + WHEEL + "</robot>",
+        "body.xacro": head + '<link name="b"/><xacro:wheel name="a"/></robot>',
+        "car.urdf.xacro": head.replace("<robot", f"<robot{name}")
+        + '<include filename="parts.xacro"/><include filename="body.xacro"/></robot>',
+    }
+    run = check(write(tmp_path, files), codes={"XAC001", "XAC007"})
+    assert [f.code for f in run.findings if f.severity == Severity.ERROR] == expected
+
+
+def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/parts.xacro": HEAD + WHEEL + "</robot>",
+        "urdf/car.urdf.xacro": HEAD + '<link name="b"/><xacro:wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("include parts.xacro, which defines the macro,")
+
+
 def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
     text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))
@@ -1088,7 +1147,7 @@ def test_a_value_set_twice_names_both_lines(tmp_path: Path) -> None:
     lines = finding.related[0].span, finding.location.span
     first, second = (span.line for span in lines if span is not None)
     assert finding.fix is not None
-    assert finding.fix.title == f"delete line {first} or {second}, whichever is wrong"
+    assert finding.fix.title.startswith(f"delete line {first} or {second}, whichever is wrong; if both")
     assert first < second
 
 
@@ -1228,7 +1287,7 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
     finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC010"}))
     assert finding.fix is not None
     assert "--arg model:=long" in finding.fix.title
-    assert finding.message.endswith("there are long, short")
+    assert finding.message.endswith("known values: long, short")
 
 
 @pytest.mark.parametrize(

@@ -116,6 +116,20 @@ class TestXML001:
         (xacro,) = findings(tmp_path, text, "XML001", "robot.urdf.xacro")
         assert (plain.severity, xacro.severity) == (Severity.WARNING, Severity.ERROR)
 
+    @pytest.mark.parametrize(
+        ("tag", "address", "more"),
+        [
+            ("sensor:camera", "http://playerstage.sourceforge.net/gazebo/xmlschema/#sensor", "delete the elements"),
+            ("drake:bushing", "http://drake.mit.edu", "declare it"),
+            ("foo:bar", "…", "declare it"),
+        ],
+    )
+    def test_the_prefix_that_is_used_is_to_be_declared(self, tmp_path: Path, tag: str, address: str, more: str) -> None:
+        (found,) = findings(tmp_path, f'<robot name="r"><link name="a"/><{tag}/></robot>', "XML001")
+        assert found.fix is not None
+        assert f'`xmlns:{tag.partition(":")[0]}="{address}"`' in found.fix.title
+        assert found.fix.title.startswith(more)
+
     def test_an_undeclared_xacro_prefix_in_a_urdf_is_the_defect(self, tmp_path: Path) -> None:
         text = '<robot name="r"><xacro:arm/><link name="${l}"/></robot>'
         (found,) = check_text(tmp_path, text, codes={"XML001", "XML009"}).findings
@@ -134,6 +148,56 @@ class TestXML009:
     def test_what_is_left_is_counted(self, tmp_path: Path, body: str, held: str) -> None:
         (found,) = check_text(tmp_path, f'<robot name="r">{body}</robot>', codes={"XML009"}).findings
         assert f"contains {held} xacro" in found.message
+
+    @pytest.mark.parametrize(
+        ("body", "repair"),
+        [
+            ('<mesh filename="file://$(find p)/a.stl"/>', "write `package://p/…` for `file://$(find p)/…`, or let"),
+            ('<mesh filename="$(find p)/$(arg a).stl"/>', "let the launch file run xacro"),
+        ],
+    )
+    def test_a_path_in_a_package_needs_no_xacro(self, tmp_path: Path, body: str, repair: str) -> None:
+        visual = f"<visual><geometry>{body}</geometry></visual>"
+        text = f'<robot name="r"><link name="a">{visual}</link></robot>'
+        (found,) = check_text(tmp_path, text, codes={"XML009"}).findings
+        assert found.fix is not None
+        assert found.fix.title.startswith(repair)
+
+    @pytest.mark.parametrize("text", ["<launch/>", '<param name="robot_description" textfile="$(find p)/arm.urdf"/>'])
+    def test_a_urdf_that_a_xacro_includes_is_expanded_there(self, tmp_path: Path, text: str) -> None:
+        ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        (tmp_path / "package.xml").write_text("<package format='2'><name>p</name></package>")
+        (tmp_path / "show.launch").write_text(text if text == "<launch/>" else f"<launch>{text}</launch>")
+        (tmp_path / "arm.urdf").write_text('<robot name="arm"><link name="${side}"/></robot>')
+        including = '<xacro:property name="side" value="a"/><xacro:include filename="arm.urdf"/>'
+        (tmp_path / "r.urdf.xacro").write_text(f'<robot name="r" {ns}>{including}</robot>')
+        (found,) = check(tmp_path, codes={"XML009"}).findings
+        assert (found.message_id, found.severity) == (
+            ("included", Severity.INFO) if text == "<launch/>" else ("not_expanded", Severity.ERROR)
+        )
+
+    @pytest.mark.parametrize(
+        ("launch", "name", "severity"),
+        [
+            ("<launch/>", "$(find p)", Severity.INFO),
+            (
+                '<launch><param name="robot_description" textfile="$(find p)/r.urdf"/></launch>',
+                "$(find p)",
+                Severity.WARNING,
+            ),
+            ("<launch/>", "${size}", Severity.WARNING),  # xacro would not know it
+        ],
+    )
+    def test_xacro_in_a_block_for_gazebo_matters_where_nothing_expands_it(
+        self, tmp_path: Path, launch: str, name: str, severity: Severity
+    ) -> None:
+        (tmp_path / "package.xml").write_text("<package format='2'><name>p</name></package>")
+        (tmp_path / "show.launch").write_text(launch)
+        block = f'<gazebo><plugin name="a" filename="a.so"><yaml>{name}/a.yaml</yaml></plugin></gazebo>'
+        (found,) = check_text(
+            tmp_path, f'<robot name="r"><link name="a"/>{block}</robot>', "r.urdf", codes={"XML009"}
+        ).findings
+        assert (found.message_id, found.severity) == ("gazebo", severity)
 
     @pytest.mark.parametrize(
         ("body", "message", "severity"),
@@ -177,6 +241,12 @@ class TestXML002:
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")
         (found,) = check(tmp_path, codes={"XML002"}).findings
         assert named.severity is found.severity is Severity.WARNING
+
+    def test_a_part_that_hangs_on_a_link_elsewhere_is_told_as_that(self, tmp_path: Path) -> None:
+        joint = '<joint name="j" type="fixed"><parent link="hand"/><child link="a"/></joint>'
+        text = f'<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/>{joint}</robot>'
+        run = check_text(tmp_path, text, "camera.xacro", codes={"XML002", "KIN002"})
+        assert [f.code for f in run.findings] == ["KIN002"]
 
     def test_empty_robot_in_a_folder_is_a_placeholder(self, tmp_path: Path) -> None:
         (tmp_path / "empty.urdf").write_text("<robot></robot>")
@@ -265,10 +335,47 @@ class TestXML003:
 
     def test_repairs_of_several_kinds_are_all_told(self, tmp_path: Path) -> None:
         inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
-        text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="2"/>{inertial}</link></robot>'
+        text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="1"/>{inertial}</link></robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
         assert joint.fix.title == "move it into <joint>; elsewhere delete it: <inertial> beside it has its own"
+
+    @pytest.mark.parametrize(
+        ("mass", "end"),
+        [("2", "own; where the two differ (a: 2 and 1), write the right one there"), ("1.01", "own")],
+    )
+    def test_a_number_typed_twice_is_one_of_the_two(self, tmp_path: Path, mass: str, end: str) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = f'<robot name="r"><link name="a"><mass>{mass}</mass>{inertial}</link></robot>'
+        (finding,) = findings(tmp_path, text, "XML003")
+        assert finding.fix is not None
+        assert finding.fix.title.endswith(end)
+
+    @pytest.mark.parametrize(
+        ("before", "element", "repair"),
+        [
+            ('<link name="a"/>', "inertial", "move it into link a, which ends just before it"),
+            ('<link name="a"><inertial/></link>', "inertial", "delete it: link a before it has its own <inertial>"),
+            ("<gazebo/>", "inertial", "move it into <link>, or delete it where that has one already"),
+            ("", "origin", "delete it: the place of the whole robot is given where it is spawned"),
+        ],
+    )
+    def test_an_element_of_the_robot_belongs_in_the_one_before_it(
+        self, tmp_path: Path, before: str, element: str, repair: str
+    ) -> None:
+        inside = f'{before}<{element} xyz="0 0 1"><mass value="1"/></{element}><link name="b"/>'
+        found = [
+            f for f in findings(tmp_path, f'<robot name="r">{inside}</robot>', "XML003") if f.data["tag"] == element
+        ]
+        assert found[0].fix is not None
+        assert found[0].fix.title.startswith(repair)
+
+    def test_an_element_before_its_twin_is_left_over(self, tmp_path: Path) -> None:
+        joint = '<joint name="j" type="fixed"><origin xyz="0.0 0 1"/><parent link="a"/><child link="b"/></joint>'
+        text = f'<robot name="r"><link name="a"/><link name="b"/><origin rpy="0 0 0" xyz="0 0 1"/>{joint}</robot>'
+        (found,) = findings(tmp_path, text, "XML003")
+        assert found.fix is not None
+        assert found.fix.title == "delete it: joint j after it has the same"
 
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
@@ -485,6 +592,26 @@ class TestXML005:
         assert finding.fix is not None
         assert finding.fix.title.startswith('write ixy="0" ixz="0" iyz="0" if')
         assert "delete" not in finding.fix.title  # an inertial needs its inertia
+
+    @pytest.mark.parametrize(
+        ("mass", "repair"),
+        [
+            ("<mass> 7.0 </mass>", 'write `value="7.0"`: the number is typed between the tags'),
+            ("<mass/>", "write the attribute value"),
+        ],
+    )
+    def test_a_number_between_the_tags_is_the_missing_one(self, tmp_path: Path, mass: str, repair: str) -> None:
+        inertial = f'<inertial>{mass}<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inertial}</link></robot>', "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title == repair
+
+    @pytest.mark.parametrize(("axis", "repair"), [('xzy="0 0 1"', "`xyz` for `xzy`"), ("", "its xyz")])
+    def test_an_idle_axis_may_be_misspelt(self, tmp_path: Path, axis: str, repair: str) -> None:
+        joint = f'<joint name="j" type="fixed"><parent link="a"/><child link="b"/><axis {axis}/></joint>'
+        (finding,) = findings(tmp_path, ROBOT.format(link="", joint=joint), "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title == f"delete the <axis>, or write {repair}"
 
     @pytest.mark.parametrize(
         ("link", "loss"),
@@ -854,6 +981,16 @@ class TestXML006:
         assert pinocchio.buildModelFromXML(text).inertias[1].mass == 2
         assert check_text(tmp_path, text, codes={"XML006"}).models[0].mass == 2
 
+    @pytest.mark.parametrize(
+        ("second", "repair"),
+        [('friction="1"', "merge them: each has what the others lack"), ('damping="2"', "delete the wrong <dynamics>")],
+    )
+    def test_two_that_complete_each_other_are_merged(self, tmp_path: Path, second: str, repair: str) -> None:
+        more = f'<dynamics damping="1"/><dynamics {second}/>'
+        (found,) = findings(tmp_path, ROBOT.format(link="", joint=JOINT.format(effort="1", more=more)), "XML006")
+        assert found.fix is not None
+        assert found.fix.title == repair
+
 
 class TestXML010:
     CAPSULE = '<collision><geometry><capsule radius="0.1" length="1"/></geometry></collision>'
@@ -964,6 +1101,13 @@ class TestXML013:
         assert finding.fix is not None
         assert [edit.replacement for edit in finding.fix.edits] == ([written] if written else [])
 
+    def test_a_number_may_have_lost_its_point(self, tmp_path: Path) -> None:
+        text = LINK.format(robot='<material name="m"><color rgba="0.0 0.0 0.0 05"/></material>', link="")
+        (finding,) = findings(tmp_path, text, "XML013")
+        assert "0.0 0.0 0.0 05" in finding.message
+        assert finding.fix is not None
+        assert finding.fix.title == "write each component between 0 and 1, perhaps 0.5 for 05"
+
     @pytest.mark.parametrize("rgba", ["0 0 0 0", "1 1 1 1", "1 1 1", "a 0 0 1"])
     def test_within_the_range(self, tmp_path: Path, rgba: str) -> None:
         assert not findings(
@@ -1035,13 +1179,13 @@ def test_an_attribute_for_isaac_gym_is_known(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("place", "message", "severity"),
     [
-        ('<gazebo><plugin name="p" filename="p.so"><ns>$(arg ns)</ns></plugin></gazebo>', "gazebo", Severity.WARNING),
-        ('<gazebo reference="$(arg ns)"/>', "gazebo", Severity.WARNING),
+        ('<gazebo><plugin name="p" filename="p.so"><ns>$(arg ns)</ns></plugin></gazebo>', "gazebo", Severity.INFO),
+        ('<gazebo reference="$(arg ns)"/>', "gazebo", Severity.INFO),
         ('<link name="${ns}"/><gazebo reference="$(arg ns)"/>', "not_expanded", Severity.ERROR),
         ('<link name="$(arg ns)"/><gazebo reference="$(arg ns)"/>', "part", Severity.WARNING),
     ],
 )
-def test_substitutions_that_only_gazebo_reads_are_a_warning(
+def test_substitutions_that_only_gazebo_reads_are_a_note(
     tmp_path: Path, place: str, message: str, severity: Severity
 ) -> None:
     (finding,) = check_text(tmp_path, f'<robot name="r"><link name="a"/>{place}</robot>', codes={"XML009"}).findings

@@ -224,14 +224,14 @@ class TestModels:
         run = check(tmp_path / "arm")
         assert (run.models[0].status, "type" in run.models[0].args) == ("failed", False)
         (found,) = [f for f in run.findings if f.code == "XAC001"]
-        assert found.message.endswith("which does not exist; there are large, small")
+        assert found.message.endswith("which does not exist; known values: large, small")
         assert found.location.subject == "argument[type]"
 
     def test_choices_are_told_where_no_launch_file_decides(self, tmp_path: Path) -> None:
         model = ARM.replace('  <xacro:arg name="type" default="none"/>\n', "").replace("$(arg name)", "arm")
         make_package(tmp_path, {}, model)
         (found,) = [f for f in check(tmp_path / "arm").findings if f.code == "XAC010"]
-        assert found.message.endswith("was not given, so the model cannot be expanded; there are large, small")
+        assert found.message.endswith("was not given, so the model cannot be expanded; known values: large, small")
         assert found.fix is not None
         assert "--arg type:=large --arg prefix:=…" in found.fix.title
 

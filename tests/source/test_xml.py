@@ -233,7 +233,7 @@ def test_nesting_ends_at_a_limit() -> None:
     ("text", "says", "line", "column"),
     [
         ("", "the file is empty", 1, 1),
-        ("<!-- -->", "the file has no element", 1, 9),
+        ("<!-- -->", "the file has no element: all of it is in a comment", 1, 1),
         ("<robot>\n<!-- <robot> -->\n<robot>\n</robot>\n", "<robot> of line 1 is opened a second time", 3, 1),
         ("<robot>\n<robot/><!-- <robot> -->", "the file ends before <robot>, opened in line 1, is closed", 2, 25),
         ("<robot>\n<link>", "the file ends before <link>, opened in line 2, is closed", 2, 7),

@@ -29,7 +29,10 @@ class _SharedValue:
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    yield from _check_repeated_names(model.links, "link", rule)
+    holders: dict[str, list[str]] = {}
+    for joint in model.joints:
+        holders.setdefault(joint.child, []).append(joint.name)
+    yield from _check_repeated_names(model.links, "link", rule, holders)
     yield from _check_joints(model, rule)
     # Converters merge the two links of a fixed joint: its name disappears before it can clash.
     shared = [j for j in model.joint_by_name.values() if j.name in model.link_by_name and j.name and j.type != "fixed"]
@@ -48,12 +51,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield replace(finding, subjects=tuple(_locate_name(joint).subject for joint in shared))
 
 
-def _check_repeated_names(parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule) -> Iterator[Finding]:
+def _check_repeated_names(
+    parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule, holders: Mapping[str, Sequence[str]]
+) -> Iterator[Finding]:
+    """Report parts of one name. ``holders``: the joints of which a link is the child, by its name."""
     first: dict[str, Link | Joint] = {}
     for part in parts:
         if part.name and first.setdefault(part.name, part) is not part:
             at, other = _locate_name(part), _locate_name(first[part.name])
             shared = _find_shared_value(first[part.name], part)
+            held = holders.get(part.name, ())
             yield rule.finding(
                 "repeated" if shared is None else "passed",
                 at=at if shared is None else Location(at.subject, shared.span, shared.via),
@@ -62,8 +69,19 @@ def _check_repeated_names(parts: Sequence[Link] | Sequence[Joint], kind: str, ru
                 kind=kind,
                 called=part.name,
                 why="" if shared is None else shared.why,
-                repair="" if shared is None else shared.repair,
+                repair=_describe_renaming(first[part.name], part, held) if shared is None else shared.repair,
             )
+
+
+def _describe_renaming(first: Link | Joint, second: Link | Joint, held: Sequence[str]) -> str:
+    """Say what another name for one of two parts takes. ``held``: the joints of which a link of this name is the child."""
+    if first.element.attributes["name"].span == second.element.attributes["name"].span:
+        return "include its file or call its macro once, or put a parameter that each call sets before the name: `${prefix}`"
+    if len(held) > 1:
+        return f"rename one of them, and the child of the joint that holds it: {' or '.join(held[:2])}" + (
+            "" if len(held) == 2 else f" or {len(held) - 2} more"
+        )
+    return "rename one of them, or delete it if it is a copy"
 
 
 def _find_shared_value(first: Link | Joint, second: Link | Joint) -> _SharedValue | None:
@@ -97,7 +115,7 @@ def _check_joints(model: Model, rule: Rule) -> Iterator[Finding]:
     declared = Counter(link.name for link in model.links)
     copies = [j for j in model.joints if j.name and _is_copy(model.joint_by_name[j.name], j, declared)]
     copied = set(map(id, copies))
-    yield from _check_repeated_names([j for j in model.joints if id(j) not in copied], "joint", rule)
+    yield from _check_repeated_names([j for j in model.joints if id(j) not in copied], "joint", rule, {})
     for joint in copies:
         meant = _find_meant_child(model, joint) if len(copies) == 1 else ""
         is_explained = meant and len(KinematicGraph.from_model(model).find_components()) == 2

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -15,9 +16,9 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 
 _ADDING = 'add `<link name="{called}"/>`, or name an existing link'
-_ATTACHING = (
-    "include the file from the robot that has {called}: without a name, its <robot> is a part; otherwise " + _ADDING
-)
+# Beside a root, the link alone would be a second one.
+_CARRYING = 'name an existing link, or add `<link name="{called}"/>` and the joint that carries it'
+_ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
 
 # Drake has a body of this name, which a file need not declare.
 _WORLD = {"world": {"drake": "loads it: the name is that of its world body"}}
@@ -46,9 +47,7 @@ def _build_fragment_finding(
     """Report a file whose unknown links are all parents that another model of the same robot has; None if it is not one."""
     attributes = [attribute for places in unknown.values() for _, attribute in places]
     is_attached = all(a.owner.tag == "parent" and graph.guess_link("parent", a.value) is None for a in attributes)
-    # A link without a parent is a root: then the file is a robot, and the joint is wrong.
-    is_attached = is_attached and {joint.child for joint in model.joints}.issuperset(graph.links)
-    if not (attributes and is_attached):
+    if not (attributes and is_attached) or _has_root(model, graph):
         return None
     from urdfcheck.model.likeness.whole_models import find_whole_model  # loaded only for such a file
 
@@ -67,6 +66,11 @@ def _build_fragment_finding(
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
 
+def _has_root(model: Model, graph: KinematicGraph) -> bool:
+    """Whether a link has no parent: then the file is a robot, and a joint with an unknown parent is wrong."""
+    return not {joint.child for joint in model.joints}.issuperset(graph.links)
+
+
 def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list[tuple[Joint, Attribute]]) -> Finding:
     """Report all places that name one unknown link."""
     attributes = [attribute for _, attribute in places]
@@ -81,9 +85,11 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
     near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:
         links = join_names(graph.links) or "none"
-        # A xacro file without a name is no robot by itself: what it hangs on is in the file that includes it.
-        is_part = model.source.is_xacro and not is_child and "name" not in model.robot.attributes
-        data["repair"] = (_ATTACHING if is_part else _ADDING).format(called=data["called"])
+        has_root = _has_root(model, graph)
+        # What a xacro file without a root or without a name hangs on is in the file that includes it.
+        is_part = model.source.is_xacro and not is_child and (not has_root or "name" not in model.robot.attributes)
+        template = _ADDING if is_child else _ATTACHING if is_part else _CARRYING if has_root else _ADDING
+        data["repair"] = template.format(called=data["called"], file=Path(model.source.name).name)
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
         edits = edit_values((attribute, near) for attribute in attributes)

@@ -26,12 +26,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield _build_slip_finding(rule, graph, *meant, other=next(j for j in counted if j is not meant[0]))
         elif len(counted) > 1:
             roots = graph.find_roots_above(link)
+            is_same_pair = len({j.parent for j in counted}) == 1
             yield rule.finding(
-                "several" if len(roots) < 2 else "roots",
+                "repeated" if is_same_pair else "several" if len(roots) < 2 else "roots",
                 at=counted[1].child_location,
                 related=[j.child_location for j in counted if j is not counted[1]],
                 link=link,
                 joints=", ".join(f"{j.name} (from {j.parent})" for j in counted),
+                names=join_names(j.name for j in counted),
+                parent=counted[0].parent,
                 parents=[j.parent for j in counted],
                 roots=join_names(roots),
                 repair=_describe_way_to_one_root(graph, counted, roots),

@@ -48,7 +48,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         at=links[0],
         link=head,
         own=root_mass,
-        lack="an <inertial>" if links[0].inertial is None else "a mass",
+        lack=_describe_lack_of_mass(links[0]),
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",
         count=len(model.links),
         joints=join_names(joint.name for joint in model.joints if joint.name in attached),
@@ -117,6 +117,13 @@ def _has_mass(links: list[Link]) -> bool:
         i.mass is None or i.mass < 0 or i.mass > _NO_MASS or (i.mass == 0 and any(i.inertia_components or ()))
         for i in inertials
     )
+
+
+def _describe_lack_of_mass(link: Link) -> str:
+    """Return what a link must get: a mass whose moments of inertia are 0 is refused as well."""
+    if link.inertial is None:
+        return "an <inertial>"
+    return "a mass" if any(link.inertial.inertia_components or ()) else "a mass and moments of inertia"
 
 
 def _describe_lack(links: int) -> str:

@@ -27,7 +27,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     stem = PurePosixPath(model.source.name).name.split(".")[0]
     if _is_misspelt_name(name.value, stem):
-        yield rule.finding("misspelt", at=name, name=name.value, file=stem)
+        folder = next((f.name for f in model.source.path.absolute().parents if _is_spelled_in(stem, f.name)), None)
+        repair = (
+            "use the same spelling for both"
+            if folder is None
+            else f'write `name="{stem}"`, as the folder {folder} has it'
+        )
+        yield rule.finding("misspelt", at=name, name=name.value, file=stem, repair=repair)
         return
     package = model.package
     if package is None or _is_related_name(name.value, package.name):
@@ -57,6 +63,11 @@ def _is_related_name(one: str, other: str) -> bool:
     """Whether one name extends the other (``husky`` and ``husky_description``)."""
     a, b = _extract_name_words(one), _extract_name_words(other)
     return set(a) <= set(b) or set(b) <= set(a) or "".join(a) in "".join(b) or "".join(b) in "".join(a)
+
+
+def _is_spelled_in(name: str, folder: str) -> bool:
+    """Whether a folder is called by all words of a name: ``quadruped_description``."""
+    return set(_extract_name_words(name)) <= set(_extract_name_words(folder))
 
 
 def _is_misspelt_name(name: str, stem: str) -> bool:

@@ -54,8 +54,6 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
         usual, odd = [side for side in odd if side.moves], usual
     if odd and len(usual) >= least * len(odd):
         joints = [model.tree.parent_joint[name] for side in odd for name in side.named]
-        # Of limbs that are named otherwise, or not at all, only the names farther out are in question.
-        are_limbs = all(side.named == (side.left.child, side.right.child) for side in odd)
         finding = rule.finding(
             "swapped",
             at=joints[0].child_location,
@@ -67,9 +65,21 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
             count=len(usual),
             consequences=_MOVING if any(_is_driven(model, side) for side in odd) else None,
             more="" if len(odd) == 1 else f" (likewise {join_names(side.named[0] for side in odd[1:])})",
-            signs=", or the signs of y in the origins of their joints" if are_limbs else "",
+            repair=_describe_repair(model, odd),
         )
         yield replace(finding, subjects=tuple(f"link[{joint.child}]" for joint in joints))
+
+
+def _describe_repair(model: Model, odd: list[_LimbPair]) -> str:
+    """Say what to swap: where the names of the joints agree with the places, only the children of the joints are wrong."""
+    parents = model.tree.parent_joint
+    holders = [(parents[side.named[0]].name, parents[side.named[1]].name) for side in odd]
+    if all(left in _generate_right_names(right) for left, right in holders):
+        pairs = join_names(f"{left} and {right}" for left, right in holders)
+        return f"swap the children of the joints {pairs}, whose names say on which side they are"
+    # Of limbs that are named otherwise, or not at all, only the names farther out are in question.
+    are_limbs = all(side.named == (side.left.child, side.right.child) for side in odd)
+    return "swap the names" + (", or the signs of y in the origins of their joints" if are_limbs else "")
 
 
 def _is_driven(model: Model, pair: _LimbPair) -> bool:

@@ -34,7 +34,7 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
-from urdfcheck.source.text.xml import Element
+from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     Condition,
@@ -53,9 +53,13 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
+_NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
 _PATH_REPAIR = "correct the path"
+_FILE_NAME_REPAIR = (
+    "give the file name a default that exists, or read the file only when a name is given (`<xacro:if>`)"
+)
 _RELATIVE_HINT = "a relative path starts at the folder of the file that contains it"
 
 
@@ -149,7 +153,11 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         why = f"; the property with this name{where} comes later, or belongs to another macro or branch"
         repair = "define the property before its first use and outside macros, or pass the value as a parameter"
         conditions = find_conditions(trees, name, failure.problem.location.span)
-        if conditions:
+        if _is_guard(failure, defined[name]):
+            why = f"; it is set only inside this condition{where}"
+            written = f'<xacro:property name="{name}" default="false"/>'
+            repair = f"write `{written}` before this line: it sets the property only where nothing has set it"
+        elif conditions:
             why = f"; it is only defined {' or '.join(map(str, conditions))}"
             options = _choose_values(failure.source, conditions)
             repair = "define it in all other cases"
@@ -165,6 +173,15 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options
     )
+
+
+def _is_guard(failure: _ExpansionFailure, definitions: Sequence[Attribute]) -> bool:
+    """Whether a condition asks for a property that all definitions set inside it: whether its content has been read before."""
+    condition = _find_failing_element(failure)
+    if condition is None or not (condition.tag == "xacro:unless" or _NEGATED.fullmatch(condition.get("value"))):
+        return False
+    inside = {id(element) for element in condition.walk()}
+    return all(id(definition.owner) in inside for definition in definitions)
 
 
 def _choose_values(source: Source, conditions: Iterable[Condition]) -> str:
@@ -216,6 +233,10 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     known = collect_macros(failure.source.trees)
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
+    defining = _find_defining_files(failure.source, name)
+    repair = "correct the name, or include the file that defines the macro before this line"
+    if defining:
+        repair = f"include {' or '.join(defining)}, which defines the macro, before this line, or correct the name"
     return _build_report(
         failure,
         "unknown-macro",
@@ -224,7 +245,20 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         files=(count := len(failure.source.trees)),
         read="the file" if count == 1 else f"the {count} files read so far",
         hint=format_name_hint(name, known) if known else "; no file defines any macro",
+        repair=repair,
     )
+
+
+def _find_defining_files(source: Source, macro: str) -> list[str]:
+    """Return the names of the few files of the package that define a macro and are not read; nothing if there are many."""
+    package = source.finder.find_package_of(source.path.absolute())
+    if package is None:
+        return []
+    paths = (path for paths in index_files([package.path]).values() for path in paths)
+    defined = read_defined_macros(paths, source.finder)
+    read = {Path(name).name for name in source.trees}
+    found = sorted(name for name, macros in defined.items() if macro in macros and name not in read)
+    return found if len(found) <= _MOST_PROPOSED else []
 
 
 def _find_later_definition(failure: _ExpansionFailure, name: str) -> Element | None:
@@ -315,6 +349,14 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
         correction = f"write `$(find {package.name})/{place}` if that is the one, or {_PATH_REPAIR}"
+    same = next((name for name in beside if name != path.name and name.lower() == path.name.lower()), None)
+    if same is not None:
+        correction = f"write `{same}`, or rename the file: on Linux a capital letter is another one"
+    start = _find_other_start(failure)
+    if start is not None:
+        folder, wanted = start
+        near = f": xacro starts at the folder of the file, and the path leads to it only from {format_path(folder)}"
+        correction = f"write `{wanted}`"
     repair = correction
     if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
         repair = "write `/` for each backslash"
@@ -330,6 +372,25 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _find_other_start(failure: _ExpansionFailure) -> tuple[Path, str] | None:
+    """Return the folder from which a relative path of an include leads to a file, and the path from the folder of its own file.
+
+    Some programs start where they run, and so did early releases of xacro.
+    """
+    element = _find_failing_element(failure)
+    typed = "" if element is None or element.tag != "xacro:include" else element.get("filename")
+    span, finder = failure.problem.location.span, failure.source.finder
+    if not typed or "$" in typed or os.path.isabs(typed) or span is None or span.file not in failure.source.files:
+        return None
+    own = failure.source.files[span.file].path.absolute().parent
+    for folder in own.parents:
+        if not finder.can_open(folder):
+            return None
+        if finder.can_open(folder / typed) and (folder / typed).is_file():
+            return folder, Path(os.path.relpath(folder / typed, own)).as_posix()
+    return None
 
 
 def _names_package(failure: _ExpansionFailure) -> bool:
@@ -410,10 +471,17 @@ def _describe_sibling_folders(source: Source, path: Path) -> str:
 
 def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) -> _FailureReport:
     # The last definition in the chain gives the empty text.
-    origin = failure.problem.related[-1].subject if failure.problem.related else ""
-    kind, _, name = origin.partition("[")
-    given = f": {kind} {name.rstrip(']')} is empty" if name and kind != "property" else ""
-    return _build_report_at_expression(failure, "file-name-empty", given=given)
+    origin = failure.problem.related[-1] if failure.problem.related else None
+    kind, _, name = ("" if origin is None else origin.subject.removesuffix("]")).partition("[")
+    given = f": {kind} {name} is empty" if name and kind != "property" else ""
+    data = {"expression": failure.expression, "given": given}
+    if origin is None or kind != "argument":
+        return _build_report_at_expression(failure, "file-name-empty", repair=_FILE_NAME_REPAIR, **data)
+    # The argument is what must be given: the expression is as it should be.
+    options = format_argument_option(name)
+    repair = f"give a value: `{options}`; or {_FILE_NAME_REPAIR}"
+    extra = (failure.problem.location,)
+    return _build_report(failure, "file-name-empty", at=origin, extra=extra, repair=repair, remedy=options, **data)
 
 
 def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

@@ -64,7 +64,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             message,
             at=elements[0],
             related=elements[1:_MAX_EDITED],
-            edits=_propose_edits(elements, source.trees[name], source.files[name]) if source.is_xacro else [],
+            edits=_propose_edits(elements, source.trees[name], source.files[name])
+            if source.is_xacro and message != "dead"
+            else [],
             severity=severity,
             tag=elements[0].tag,
             tags=list(tags),

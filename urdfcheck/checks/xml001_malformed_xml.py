@@ -28,6 +28,10 @@ _REPAIR_OF_UNREACHABLE = (
     "where the file is named, write its place in a package (`$(find PACKAGE)/…`); if the place is right and you trust it, "
     "allow its folder: --allow-read DIR"
 )
+# The addresses of prefixes, and how those begin that early releases of Gazebo gave their own elements.
+_ADDRESSES = {"xacro": "http://www.ros.org/wiki/xacro", "drake": "http://drake.mit.edu"}
+_GAZEBO_ADDRESS = "http://playerstage.sourceforge.net/gazebo/xmlschema/#"
+_PREFIXES_OF_GAZEBO = frozenset({"sensor", "controller", "interface", "model", "body", "geom", "rendering", "physics"})
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.
@@ -56,14 +60,15 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             is_of_xacro = has_unbound_xacro(source)
             severity = None if is_of_xacro else Severity.WARNING
             message = "xacro-prefix" if is_of_xacro else "prefix"
-            yield rule.finding(message, at=location, severity=severity, error=problem.message)
+            repair = _describe_declaration(problem)
+            yield rule.finding(message, at=location, severity=severity, error=problem.message, repair=repair)
         else:
             cause = _classify_cause(file)
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
                 message = "forgiven"
             unread = _REPAIR_OF_UNREACHABLE if problem.message == OUT_OF_REACH else _REPAIR_OF_UNREADABLE
-            repair = problem.data.get("repair", unread)
+            repair = _describe_declaration(problem) if problem.kind == "prefix" else problem.data.get("repair", unread)
             yield rule.finding(message, at=location, cause=cause, error=problem.message, repair=repair)
     for problem in source.find_problems(*_MISREAD):
         data = {**problem.data, "count": len(problem.data["places"])}
@@ -71,6 +76,19 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         listed = f"the value {problem.message!r}"
         listed += f" and {len(others)} more" if others else ""
         yield rule.finding(problem.kind, at=first, related=others[:9], severity=Severity.WARNING, listed=listed, **data)
+
+
+def _describe_declaration(problem: Problem) -> str:
+    """Say how an undeclared prefix is declared, or that what has it may be left out."""
+    prefix = str(problem.data["prefix"])
+    if prefix in _ADDRESSES:
+        return f'declare it in the root element: `xmlns:{prefix}="{_ADDRESSES[prefix]}"`'
+    if prefix in _PREFIXES_OF_GAZEBO:
+        return (
+            "delete the elements with this prefix, which Gazebo has not read since 1.0 (2012), or declare it in the root "
+            f'element: `xmlns:{prefix}="{_GAZEBO_ADDRESS}{prefix}"`'
+        )
+    return f'declare it in the root element (`xmlns:{prefix}="…"`), or delete what has it if no program needs that'
 
 
 def _check_companion_file(

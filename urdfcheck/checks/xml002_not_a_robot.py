@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
+from urdfcheck.source.model_role import explain_joint_to_elsewhere
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -38,9 +39,11 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     name = root.attributes.get("name")
     if name is None:
-        # A file without a name that others include is a part; a xacro that no file here includes may be a part for other
-        # packages. Whether a file that cannot be expanded is a model is unknown.
-        if not source.is_part and source.root is not None:
+        # A file without a name that others include is a part, and so is a xacro with a joint to a link that it has not (KIN002);
+        # one that no file here includes may be a part for other packages. Whether a file that cannot be expanded is a model is
+        # unknown.
+        hangs = source.is_xacro and source.root is not None and bool(explain_joint_to_elsewhere(source.root))
+        if not source.is_part and source.root is not None and not hangs:
             yield rule.finding("unnamed", at=root, severity=Severity.WARNING if source.is_xacro else None)
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
@@ -76,6 +77,8 @@ _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
 # Those that name other elements: a link needs none.
 _NAMING = frozenset({"parent", "child"})
+# What is typed twice, rounded, is one number.
+_SAME = 0.03
 _AGREE = {False: "has its", True: "have their"}
 RENAMING = "write `<{near}>`, also in the end tag"
 MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
@@ -234,7 +237,11 @@ def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
 
 def _list_values(places: list[Element]) -> str:
     """Join the values that no program has read so far, for the end of a repair."""
-    values = dict.fromkeys(f"{a.name} {a.value.strip()}" for place in places for a in place.attributes.values())
+    moving = [place for place in places if not _is_in_fixed_joint(place)]
+    values: dict[str, None] = {}
+    for attribute in (a for place in moving for a in place.attributes.values()):
+        number = parse_number(attribute.value)
+        values[f"{attribute.name} {attribute.value.strip() if number is None else f'{number:g}'}"] = None
     return join_names(values) or "it"
 
 
@@ -278,8 +285,11 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
             repair = "delete it: it is empty"
         elif any(map(_holds_texts, places)):
             repair = f"delete it, or write its numbers as attributes in {listed}: they are typed as in SDF"
+        elif parent == "robot":
+            repair = _describe_home_in_robot(places, homes, listed)
         elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
             repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
+            repair += _describe_difference(places, held[0])
         elif parent == "link" and all(_repeats_joint(place, model) for place in places):
             repair = "delete it: the joint that places the link has the same"
         elif parent == "link" and child.tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
@@ -287,9 +297,7 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         elif len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
             repair = f"delete it: the {listed} has its own <{child.tag}>"
         else:
-            repair = f"move it into {listed}" + (
-                ", or delete it where that has one already" if parent == "robot" else ""
-            )
+            repair = f"move it into {listed}"
         return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         is_first = _is_in_place_of_shape(child)
@@ -301,6 +309,57 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
     is_call = model.source.is_xacro and child.attributes and not child.children
     return "ignored", Severity.INFO, {"call": _CALL if is_call else ""}
+
+
+def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str) -> str:
+    """Say where an element directly in the robot belongs: in the element before it, whose end tag is often typed too early."""
+    place = places[0]
+    before, after = _find_neighbours(place)
+    others = ", and the others likewise" if len(places) > 1 else ""
+    same = (
+        after is not None
+        and after.tag in homes
+        and any(_read_values(other) == _read_values(place) for other in after.find_children(place.tag))
+    )
+    if same and after is not None:
+        return f"delete it: {after.tag} {after.get('name')} after it has the same{others}"
+    if before is None or before.tag not in homes:
+        if place.tag == "origin":
+            return (
+                "delete it: the place of the whole robot is given where it is spawned, or by a joint from a root link"
+            )
+        return f"move it into {listed}, or delete it where that has one already"
+    owner = f"{before.tag} {before.get('name')}"
+    if place.tag not in _REPEATED.get(before.tag, frozenset()) and before.find_child(place.tag) is not None:
+        return f"delete it: {owner} before it has its own <{place.tag}>{others}"
+    return f"move it into {owner}, which ends just before it{others}"
+
+
+def _find_neighbours(element: Element) -> tuple[Element | None, Element | None]:
+    """Return the elements before and after one."""
+    siblings = [] if element.parent is None else element.parent.children
+    index = next((i for i, sibling in enumerate(siblings) if sibling is element), 0)
+    before = siblings[index - 1] if index else None
+    return before, siblings[index + 1] if index + 1 < len(siblings) else None
+
+
+def _describe_difference(places: list[Element], home: str) -> str:
+    """Say where a number that is typed twice is two numbers; empty where each is the same, to a few per cent."""
+    different: list[str] = []
+    for place in places:
+        owner = place.parent
+        inner = None if owner is None else owner.find_child(home)
+        own = None if inner is None else inner.find_child(place.tag)
+        one, other = _read_number(place), None if own is None else _read_number(own)
+        if one is not None and other is not None and not math.isclose(one, other, rel_tol=_SAME):
+            different.append(f"{'' if owner is None else owner.get('name')}: {one:.3g} and {other:.3g}")
+    return f"; where the two differ ({join_names(different, 2)}), write the right one there" if different else ""
+
+
+def _read_number(element: Element) -> float | None:
+    """Return the only number of an element, in an attribute or as its text."""
+    typed = [attribute.value for attribute in element.attributes.values()] or [element.text]
+    return parse_number(typed[0].strip()) if len(typed) == 1 else None
 
 
 def _lost_its_root(place: Element, homes: list[str], model: Model) -> bool:

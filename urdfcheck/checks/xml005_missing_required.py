@@ -8,7 +8,15 @@ from typing import Any
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_gap_in_yourdfpy, describe_loss
-from urdfcheck.source.text.grammar import CHILDREN, REQUIRED_ATTRIBUTES, is_attribute_missing, iter_first_elements
+from urdfcheck.source.text.grammar import (
+    CHILDREN,
+    NUMERIC_ATTRIBUTES,
+    REQUIRED_ATTRIBUTES,
+    guess_attribute,
+    is_attribute_missing,
+    iter_first_elements,
+)
+from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
@@ -53,7 +61,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if axis is not None and joint.has_axis and is_attribute_missing(axis, "xyz"):
             yield rule.finding("axis", at=axis, owner=_describe_owner(axis))
         elif axis is not None and joint.type in {"fixed", "floating"} and "xyz" not in axis.attributes:
-            yield rule.finding("idle-axis", at=axis, severity=Severity.INFO, owner=_describe_owner(axis))
+            slip = next((name for name in axis.attributes if guess_attribute(axis, name) == "xyz"), None)
+            repair = "delete the <axis>, or write " + ("its xyz" if slip is None else f"`xyz` for `{slip}`")
+            yield rule.finding("idle-axis", at=axis, severity=Severity.INFO, owner=_describe_owner(axis), repair=repair)
 
 
 def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Finding]:
@@ -110,6 +120,8 @@ def _describe_wanted(element: Element, missing: Sequence[str]) -> str:
     if element.tag == "inertia" and not set(missing) & {"ixx", "iyy", "izz"}:
         zeros = " ".join(f'{name}="0"' for name in missing)
         return f"{zeros} if the axes of the inertial are the part's principal axes, else its products of inertia"
+    if len(missing) == 1 and parse_numbers(element.text, NUMERIC_ATTRIBUTES.get(element.tag, {}).get(missing[0], 0)):
+        return f'`{missing[0]}="{" ".join(element.text.split())}"`: the number is typed between the tags'
     noun = "attributes" if len(missing) > 1 else "attribute"
     return f"the {noun} {', '.join(missing)}" + (
         f", or delete the <{element.tag}>" if element.tag in _DELETABLE else ""

@@ -44,7 +44,14 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         tag=second.tag,
         count="two" if len(same) == 2 else str(len(same)),
         listed=join_names(f"<{shape.tag}>" for shape in same),
+        repair="merge them: each has what the others lack" if _can_merge(same) else f"delete the wrong <{second.tag}>",
     )
+
+
+def _can_merge(same: list[Element]) -> bool:
+    """Whether no two of the elements have the same attribute or a child of the same tag."""
+    names = [name for one in same for name in (*one.attributes, *{child.tag for child in one.children})]
+    return len(names) == len(set(names))
 
 
 def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Location | None:

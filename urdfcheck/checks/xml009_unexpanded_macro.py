@@ -27,10 +27,13 @@ CONSEQUENCES = {
 }
 
 
+_DECLARING = "declare `xmlns:xacro` in the root element and "
 _RUNNING_XACRO = (
-    "if a xacro includes the file, check that one; otherwise declare `xmlns:xacro` in the root element and let the launch file "
-    "run xacro (ROS 1: `command=\"xacro …\"` instead of `textfile`; ROS 2: `Command(['xacro ', path])`)"
+    'let the launch file run xacro (ROS 1: `command="xacro …"` instead of `textfile`; '
+    "ROS 2: `Command(['xacro ', path])`)"
 )
+# A path of a mesh or texture in a package, which every program of ROS finds as package:// too.
+_RESOURCE = re.compile(r"((?:file://)?\$\(find ([\w.-]+)\))/[^$]*")
 _ARGUMENT = re.compile(r"\$\(arg ([\w.-]+)\)")
 _EXPRESSION = re.compile(r"(?<!\$)\$\{([^}]*)\}")
 _QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"")
@@ -75,26 +78,41 @@ def _build_plain_finding(
 
     :param has_read: whether URDF parsers read some of it: they ignore what is in <gazebo>.
     """
-    from urdfcheck.source.launch.passed_arguments import find_replaced_texts  # few models need it
+    from urdfcheck.source.launch.passed_arguments import find_replaced_texts, is_handed_as_it_is  # few models need it
 
     replaced = find_replaced_texts(source.path, source.finder)
     remaining = [place for place in left if not _is_replaced(place[1], replaced)]
     tags = sum(text.startswith("<") for _, text, _ in remaining or left)
     counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
     held = " and ".join(format_count(count, what) for count, what in counts if count)
+    contents = held + (" of xacro" if counts[1][0] else "")
     where, text, _ = (remaining or left)[0]
     texts = [text for _, text, _ in remaining]
     if remaining and _is_left_over(source, texts):
         return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
+    is_handed = bool(remaining) and is_handed_as_it_is(source.path, source.finder)
+    if remaining and has_read and source.is_part and not is_handed:
+        return rule.finding(
+            "included",
+            at=where,
+            severity=Severity.INFO,
+            consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
+            text=_shorten_expression(text),
+            held=held,
+            contents=contents,
+            repair=_describe_repair(source, texts),
+        )
     if remaining and not has_read:
         handed = [place for plugin in root.walk() if plugin.tag == "plugin" for place in _find_all_unexpanded(plugin)]
+        is_lost = is_handed or (not source.is_part and _find_undefined_name(texts) is not None)
         return rule.finding(
             "gazebo",
             at=where,
-            severity=Severity.WARNING,
+            severity=Severity.WARNING if is_lost else Severity.INFO,
             consequences={"gazebo": "loads it; a plugin gets the text as typed"} if remaining[0] in handed else None,
             text=_shorten_expression(text),
             held=held,
+            contents=contents,
             repair=_describe_repair(source, texts),
         )
     if remaining and (names := _list_handed_arguments(texts)):
@@ -103,7 +121,7 @@ def _build_plain_finding(
             at=where,
             severity=Severity.WARNING,
             consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
-            held=held,
+            contents=contents,
             names=join_names(names),
             count=format_count(len(names), "argument"),
         )
@@ -116,6 +134,7 @@ def _build_plain_finding(
             ),
             text=_shorten_expression(text),
             held=held,
+            contents=contents,
             repair=_describe_repair(source, texts),
         )
     place = next(location for known, location in replaced.items() if known in text)
@@ -127,7 +146,7 @@ def _build_plain_finding(
         severity=Severity.INFO,
         consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
         text=_shorten_expression(text),
-        held=held,
+        contents=contents,
         launch=launch,
     )
 
@@ -161,11 +180,22 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
         return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
     unknown = _find_undefined_name(texts)
     if unknown is not None:
-        return (
-            "if a xacro includes the file, check that one; otherwise write the value in its place: the file does not define "
-            f"{unknown}, so xacro would stop at it too"
-        )
-    return _RUNNING_XACRO
+        return f"write the value in its place: the file does not define {unknown}, so xacro would stop at it too"
+    root = source.main_tree
+    has_tags = any(text.startswith("<") for text in texts)
+    declaring = _DECLARING if has_tags and root is not None and "xmlns:xacro" not in root.attributes else ""
+    return f"{_describe_package_paths(source, texts)}{declaring}{_RUNNING_XACRO}"
+
+
+def _describe_package_paths(source: Source, texts: Sequence[str]) -> str:
+    """Say how the paths are written for which nothing has to be expanded; empty if anything else than these is left."""
+    root = source.root
+    assert root is not None  # it was checked
+    named = [e.get("filename") for e in iter_urdf_elements(root) if e.tag in {"mesh", "texture"}]
+    found = [match for name in named if (match := _RESOURCE.fullmatch(name)) is not None]
+    if sorted(match[0] for match in found) != sorted(texts):
+        return ""
+    return f"write `package://{found[0][2]}/…` for `{found[0][1]}/…`, or "
 
 
 def _find_undefined_name(texts: Sequence[str]) -> str | None:

@@ -28,15 +28,16 @@ def check(model: Model, rule: Rule, *, tol: float) -> Iterator[Finding]:
         yield rule.finding("newer", at=declared, severity=Severity.INFO, version=declared.value)
     elements = list(iter_urdf_elements(model.robot))
     turned = [e for e in elements if e.tag == "origin" and "quat_xyzw" in e.attributes]
+    said = "no version" if declared is None else declared.value
     if version < (1, 1):
-        yield from _build_findings(rule, "capsule", [e for e in elements if e.tag == "capsule"])
-        yield from _build_findings(rule, "quaternion", [e.attributes["quat_xyzw"] for e in turned])
+        yield from _build_findings(rule, "capsule", [e for e in elements if e.tag == "capsule"], said)
+        yield from _build_findings(rule, "quaternion", [e.attributes["quat_xyzw"] for e in turned], said)
     else:
         for origin in turned:
             yield from _check_quaternion(rule, origin, tol)
     if version < (1, 2):
         limits = [e.attributes[name] for e in elements if e.tag == "limit" for name in _LIMITS if name in e.attributes]
-        yield from _build_findings(rule, "limit", limits)
+        yield from _build_findings(rule, "limit", limits, said, severity=Severity.INFO)
 
 
 def _check_quaternion(rule: Rule, origin: Element, tol: float) -> Iterator[Finding]:
@@ -57,12 +58,19 @@ def _check_quaternion(rule: Rule, origin: Element, tol: float) -> Iterator[Findi
         yield rule.finding("length", at=at, severity=Severity.INFO, length=length)
 
 
-def _build_findings(rule: Rule, message: str, places: Iterable[Located]) -> Iterator[Finding]:
+def _build_findings(
+    rule: Rule, message: str, places: Iterable[Located], declared: str, *, severity: Severity | None = None
+) -> Iterator[Finding]:
     """Report all uses of a feature together: the declared version is the cause."""
     locations = list(dict.fromkeys(place.location for place in places))
     if locations:
         spans = {location.span: location for location in locations[1:] if location.span != locations[0].span}
         finding = rule.finding(
-            message, at=locations[0], related=spans.values(), times=format_repetition(len(locations))
+            message,
+            at=locations[0],
+            severity=severity,
+            related=spans.values(),
+            times=format_repetition(len(locations)),
+            declared=declared,
         )
         yield replace(finding, subjects=tuple(location.subject for location in locations))

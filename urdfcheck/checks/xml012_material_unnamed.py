@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_numbers
@@ -22,7 +23,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         m for link in model.links for shape in link.visuals for m in shape.element.find_children("material")
     ]
     yield from _check_empty_names([*global_materials, *local_materials], rule)
-    yield from _check_repeated_materials(global_materials, rule)
+    yield from _check_repeated_materials(global_materials, rule, main=Path(model.source.name).name)
     yield from _check_conflicting_materials(global_materials, local_materials, rule)
 
 
@@ -35,7 +36,8 @@ def _check_empty_names(materials: list[Element], rule: Rule) -> Iterator[Finding
         yield replace(finding, subjects=tuple(location.subject for location in empty))
 
 
-def _check_repeated_materials(global_materials: list[Element], rule: Rule) -> Iterator[Finding]:
+def _check_repeated_materials(global_materials: list[Element], rule: Rule, *, main: str) -> Iterator[Finding]:
+    """Report materials that are defined twice. ``main``: the file of the robot, where nothing is included twice."""
     first: dict[str, Element] = {}
     for material in global_materials:
         name = material.get("name")
@@ -43,7 +45,8 @@ def _check_repeated_materials(global_materials: list[Element], rule: Rule) -> It
             continue
         is_same_text = material.span is not None and material.span == first[name].span
         message = "again" if is_same_text else "repeated"
-        yield rule.finding(message, at=material, severity=Severity.ERROR, related=[first[name]], material=name)
+        data = {"material": name, "main": main}
+        yield rule.finding(message, at=material, severity=Severity.ERROR, related=[first[name]], **data)
 
 
 def _check_conflicting_materials(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -16,6 +17,8 @@ from urdfcheck.source.text.xml import Attribute
 _SCALE = 255
 # A smaller number may be a slip of one from 0 to 1 (`2`, `1 0` without its point): of 255 it would be black.
 _LEAST = 16
+# A decimal without its point.
+_POINTLESS = re.compile(r"0[1-9]\d*")
 # An alpha in per cent is opaque.
 _PER_CENT = 100
 
@@ -41,11 +44,17 @@ def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribu
         at=attributes[0],
         related=[a for span, a in places.items() if span != attributes[0].span],
         edits=[edit for attribute in places.values() if text for edit in edit_numbers(attribute, text)],
-        rgba=join_numbers(rgba, separator=" "),
-        better=text or "each component between 0 and 1",
+        rgba=" ".join(attributes[0].value.split()),
+        better=text or "each component between 0 and 1" + _guess_point(attributes[0].value),
         times=format_repetition(len(attributes)),
     )
     return replace(finding, subjects=tuple(a.location.subject for a in attributes))
+
+
+def _guess_point(typed: str) -> str:
+    """Return the number that one with a zero before its digit was meant to be: 0.5 for 05."""
+    word = next(filter(_POINTLESS.fullmatch, typed.split()), None)
+    return "" if word is None else f", perhaps {word[0]}.{word[1:]} for {word}"
 
 
 def _scale_to_unit_range(rgba: tuple[float, ...]) -> tuple[float, ...] | None:

@@ -161,8 +161,8 @@ def round_decimals(text: str) -> str:
 
 
 def format_choices(values: Collection[str], most: int = 6) -> str:
-    """Return ``; there are a, b and 2 more``; empty without values."""
-    return f"; there {'is' if len(values) == 1 else 'are'} {join_names(values, most)}" if values else ""
+    """Return ``; known values: a, b and 2 more``; empty without values."""
+    return f"; known value{'' if len(values) == 1 else 's'}: {join_names(values, most)}" if values else ""
 
 
 def format_argument_option(name: str, value: str | None = None) -> str:

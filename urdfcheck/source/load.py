@@ -226,7 +226,7 @@ def _find_plain_text_problems(file: SourceFile, root: Element, *, is_xacro: bool
     if unbound is not None:
         element, prefix = unbound
         message = f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)"
-        problems.append(Problem(kind="prefix", message=message, location=element.location))
+        problems.append(Problem(kind="prefix", message=message, location=element.location, data={"prefix": prefix}))
     return problems
 
 

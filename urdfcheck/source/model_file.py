@@ -13,7 +13,14 @@ from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.root_attributes import read_root_attributes
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_links, has_only_macros, has_parts
+from urdfcheck.source.xacro.file_contents import (
+    can_stand_alone,
+    defines_macros,
+    has_links,
+    has_only_macros,
+    has_parts,
+    is_include,
+)
 from urdfcheck.system.files import read_regular
 
 # Limit on the includes of one file that are followed: beyond it a file counts as not included, and is checked as a model. In a
@@ -132,7 +139,7 @@ class ModelFile:
 
 
 def _examine_tree(root: Element | None) -> _TreeSummary:
-    names = () if root is None else (e.get("filename") for e in root.walk() if e.tag == "xacro:include")
+    names = () if root is None else (e.get("filename") for e in root.walk() if is_include(e))
     return _TreeSummary(
         is_readable=root is not None,
         includes=tuple(dict.fromkeys(names)),

@@ -7,7 +7,7 @@ from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_tex
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts
+from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts, is_include
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
 # A library of macros may include those of a package that is not installed here.
@@ -65,7 +65,7 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
         return MODEL
-    elsewhere = _explain_joint_to_elsewhere(root)
+    elsewhere = explain_joint_to_elsewhere(root)
     reason = _explain_incompleteness(root, elsewhere)
     return ModelRole("part", reason, has_whole_links=not elsewhere) if reason else MODEL
 
@@ -95,14 +95,21 @@ def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
 
 
 def has_unprefixed_calls(source: Source, root: Element) -> bool:
-    """Whether a file itself calls macros that make links or joints, and only forgets the prefix: xacro copies the tags."""
-    macros = collect_macros(source.trees)
-    return source.is_xacro and any(
+    """Whether a file itself calls macros that make links or joints, or includes files as a robot with a name, and only forgets
+    the prefix: xacro copies the tags."""
+    if not source.is_xacro:
+        return False
+    macros, has_name = collect_macros(source.trees), "name" in root.attributes
+    return any(
         call.parent is root
         and call.span is not None
         and call.span.file == source.name
-        and any(inner.tag in {"link", "joint"} for inner in macros[call.tag].element.walk())
-        for call in find_unprefixed_tags(source.trees, root, only_calls=True)
+        and (
+            has_name
+            if is_include(call)
+            else call.tag in macros and any(e.tag in {"link", "joint"} for e in macros[call.tag].element.walk())
+        )
+        for call in find_unprefixed_tags(source.trees, root)
     )
 
 
@@ -135,7 +142,7 @@ def _explain_incompleteness(root: Element, elsewhere: str) -> str:
     return elsewhere or ("" if len(_collect_links(root) - children) == 1 else "its links are not one tree")
 
 
-def _explain_joint_to_elsewhere(root: Element) -> str:
+def explain_joint_to_elsewhere(root: Element) -> str:
     """Return which joint names a link that the robot has not, and of whose name it is not a misspelling; empty if none does."""
     links = _collect_links(root)
     for joint in root.find_children("joint"):

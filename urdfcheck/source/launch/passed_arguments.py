@@ -138,12 +138,21 @@ def iter_launch_files(folder: Path, finder: PackageFinder, *, with_unnamed: bool
 
 def is_handed_to_xacro(model: Path, finder: PackageFinder) -> bool:
     """Whether launch files of a model's package hand it to xacro, and none hands it over as it is."""
+    return _find_ways(model, finder) == {True}
+
+
+def is_handed_as_it_is(model: Path, finder: PackageFinder) -> bool:
+    """Whether a launch file of a model's package hands it over as it is, and not to xacro."""
+    return False in _find_ways(model, finder)
+
+
+def _find_ways(model: Path, finder: PackageFinder) -> set[bool]:
+    """Return whether xacro expands a model, as each launch file of its package says that hands it over."""
     package, real = finder.find_package_of(model.absolute()), os.path.realpath(model)
     if package is None or not finder.can_open(package.path):
-        return False
+        return set()
     launches = itertools.islice(iter_launch_files(package.path, finder, with_unnamed=True), MOST_LAUNCHES)
-    ways = {is_expanded for launch in launches for is_expanded in _list_ways(launch, model.name, real, finder)}
-    return ways == {True}
+    return {is_expanded for launch in launches for is_expanded in _list_ways(launch, model.name, real, finder)}
 
 
 def _list_ways(launch: Path, name: str, model: str, finder: PackageFinder) -> list[bool]:

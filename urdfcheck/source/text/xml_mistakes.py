@@ -236,7 +236,13 @@ def _describe_duplicate(text: str, at: int, _: list[tuple[str, int]]) -> XmlMist
 
 def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake:
     if not opened:
-        return XmlMistake("the file has no element", at, at, repair="put the text of the model in its place")
+        comment = text.find("<!--")
+        if comment < 0:
+            return XmlMistake("the file has no element", at, at, repair="write its content, or delete the file")
+        message = "the file has no element: all of it is in a comment"
+        return XmlMistake(
+            message, comment, comment + 4, repair="take its content out of the comment, or delete the file"
+        )
     tag, line = _shorten(opened[-1][0]), opened[-1][1]
     message = f"the file ends before <{tag}>, opened in line {line}, is closed"
     repair = f"write `</{tag}>` where the element ends; the file may have been cut off"

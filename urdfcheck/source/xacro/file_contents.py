@@ -19,7 +19,12 @@ def has_only_macros(root: Element | None) -> bool:
     """Whether a xacro file only defines macros and properties. A file that xacro cannot read defines nothing."""
     if root is None or has_parts(root) or find_unbound_prefix(root) is not None:
         return False
-    return not any(element.tag == "xacro:include" for element in root.walk())
+    return not any(map(is_include, root.walk()))
+
+
+def is_include(element: Element) -> bool:
+    """Whether an element includes a file, also without the prefix, which its author has forgotten (XAC007)."""
+    return element.tag == "xacro:include" or (element.tag == "include" and "filename" in element.attributes)
 
 
 def has_parts(root: Element | None) -> bool:

@@ -78,5 +78,6 @@ def _parse(source: SourceFile) -> ParsedFile:
     if unbound is not None:
         element, prefix = unbound
         assert element.span is not None  # every element of a parsed file has one
-        raise XmlError("prefix", f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)", element.span)
+        message = f"the prefix {prefix!r} is not declared (xmlns:{prefix}=…)"
+        raise XmlError("prefix", message, element.span, data={"prefix": prefix})
     return ParsedFile(source, tree)
