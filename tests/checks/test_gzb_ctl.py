@@ -72,6 +72,7 @@ def test_the_way_to_the_successor_is_shown_and_never_written(tmp_path: Path) -> 
     assert [place.subject.split("/")[0] for place in finding.related] == ["ros2_control[c]"]
 
 
+ROS1_PLUGIN = '<gazebo><plugin name="old" filename="libgazebo_ros_laser.so"/></gazebo>'
 CLASSIC = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
 MANIFEST = '<package format="3"><name>p</name><version>1.0.0</version><description>d</description>{}</package>'
 
@@ -79,13 +80,18 @@ MANIFEST = '<package format="3"><name>p</name><version>1.0.0</version><descripti
 @pytest.mark.parametrize(
     ("manifest", "body", "targets", "severity"),
     [
-        ("<export><build_type>ament_cmake</build_type></export>", "", (), Severity.WARNING),
-        ("<buildtool_depend>ament_cmake</buildtool_depend>", "", (), Severity.WARNING),
+        ("<export><build_type>ament_cmake</build_type></export>", "", (), Severity.INFO),
+        ("<export><build_type>ament_cmake</build_type></export>", ROS1_PLUGIN, (), Severity.WARNING),
+        ("<buildtool_depend>ament_cmake</buildtool_depend>", ROS1_PLUGIN, (), Severity.WARNING),
+        ("<depend>ament_cmake</depend><depend>catkin</depend>", ROS1_PLUGIN, (), Severity.INFO),
+        ("<buildtool_depend>catkin</buildtool_depend>", ROS1_PLUGIN, (), Severity.INFO),
         ("<buildtool_depend>catkin</buildtool_depend>", "", (), Severity.INFO),
         ("<buildtool_depend>catkin</buildtool_depend>", "", ("gazebo",), Severity.WARNING),
         ("<buildtool_depend>catkin</buildtool_depend>", "", ("moveit",), Severity.INFO),
         (None, "", (), Severity.INFO),
-        (None, '<ros2_control name="c" type="system"/>', (), Severity.WARNING),
+        (None, '<ros2_control name="c" type="system"/>', (), Severity.INFO),
+        (None, '<ros2_control name="c" type="system"/>' + ROS1_PLUGIN, (), Severity.WARNING),
+        (None, '<gazebo><plugin name="n" filename="gz-sim-imu-system"/></gazebo>', (), Severity.WARNING),
         ("<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend>", "", (), Severity.INFO),
         (
             "<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend>",
