@@ -509,6 +509,7 @@ def test_a_required_argument_is_the_including_files_business(tmp_path: Path) -> 
 
 def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) -> None:
     body = '\n  <arg name="x" default="1"/>\n  <param name="use_gui" value="1"/><param name="p" value="1"/>\n'
+    body += '<node name="j" pkg="joint_state_publisher" type="joint_state_publisher"/>'
     (unused,) = find_in_launch(tmp_path, body, "LCH004")
     (leftover,) = find_in_launch(tmp_path, body, "LCH007")
     assert unused.fix is not None
@@ -663,6 +664,7 @@ def test_without_the_model_the_footprint_may_be_its_root_already(tmp_path: Path)
     (finding,) = find_in_launch(tmp_path, transform(words).removeprefix(LOAD), "LCH005")
     assert finding.fix is not None
     assert finding.fix.title.startswith("delete the node; a robot that needs base_footprint has it as the root link")
+    assert finding.severity is Severity.INFO
 
 
 def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:
