@@ -40,6 +40,8 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan) -> Finding:
         links=join_names(dict.fromkeys(seen.link for seen in scan.seen)),
         within=within,
         sectors=join_names(scan.describe_sectors()),
+        nearest=format_length(scan.nearest),
+        farthest=format_length(scan.farthest),
         rays="all its rays end" if scan.share == 1.0 else f"{scan.share:.1%} of its rays end",
         distance=" to ".join(dict.fromkeys(map(format_length, (scan.nearest, scan.farthest)))),
         range=format_length(scan.least),

@@ -181,9 +181,11 @@ def _is_in_rosbuild_package(text: str, finder: PackageFinder) -> bool:
 
 
 def _suggest_packages(launch: Launch, description: DescriptionSource, name: str, own: Package | None) -> list[str]:
-    """Return the packages with similar names that have the file, or else the launch file's own: its path may be wrong too."""
-    alike = launch.finder.suggest_names(name)
-    return launch.finder.suggest_names(name, _list_files(description.file)) or [
+    """Return the packages with similar names that have the file, or else the launch file's own if it has it or a similar name."""
+    alike, files = launch.finder.suggest_names(name), _list_files(description.file)
+    if own is not None and any((own.path / file).is_file() for file in files):
+        return [own.name]
+    return launch.finder.suggest_names(name, files) or [
         other for other in alike if own is not None and other == own.name
     ]
 
