@@ -72,6 +72,7 @@ def test_the_way_to_the_successor_is_shown_and_never_written(tmp_path: Path) -> 
     assert [place.subject.split("/")[0] for place in finding.related] == ["ros2_control[c]"]
 
 
+ROS1_PLUGIN = '<gazebo><plugin name="old" filename="libgazebo_ros_laser.so"/></gazebo>'
 CLASSIC = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
 MANIFEST = '<package format="3"><name>p</name><version>1.0.0</version><description>d</description>{}</package>'
 
@@ -79,13 +80,18 @@ MANIFEST = '<package format="3"><name>p</name><version>1.0.0</version><descripti
 @pytest.mark.parametrize(
     ("manifest", "body", "targets", "severity"),
     [
-        ("<export><build_type>ament_cmake</build_type></export>", "", (), Severity.WARNING),
-        ("<buildtool_depend>ament_cmake</buildtool_depend>", "", (), Severity.WARNING),
+        ("<export><build_type>ament_cmake</build_type></export>", "", (), Severity.INFO),
+        ("<export><build_type>ament_cmake</build_type></export>", ROS1_PLUGIN, (), Severity.WARNING),
+        ("<buildtool_depend>ament_cmake</buildtool_depend>", ROS1_PLUGIN, (), Severity.WARNING),
+        ("<depend>ament_cmake</depend><depend>catkin</depend>", ROS1_PLUGIN, (), Severity.INFO),
+        ("<buildtool_depend>catkin</buildtool_depend>", ROS1_PLUGIN, (), Severity.INFO),
         ("<buildtool_depend>catkin</buildtool_depend>", "", (), Severity.INFO),
         ("<buildtool_depend>catkin</buildtool_depend>", "", ("gazebo",), Severity.WARNING),
         ("<buildtool_depend>catkin</buildtool_depend>", "", ("moveit",), Severity.INFO),
         (None, "", (), Severity.INFO),
-        (None, '<ros2_control name="c" type="system"/>', (), Severity.WARNING),
+        (None, '<ros2_control name="c" type="system"/>', (), Severity.INFO),
+        (None, '<ros2_control name="c" type="system"/>' + ROS1_PLUGIN, (), Severity.WARNING),
+        (None, '<gazebo><plugin name="n" filename="gz-sim-imu-system"/></gazebo>', (), Severity.WARNING),
         ("<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend>", "", (), Severity.INFO),
         (
             "<buildtool_depend>ament_cmake</buildtool_depend><depend>gazebo_ros</depend>",
@@ -568,6 +574,41 @@ def test_bridges(tmp_path: Path, entry: str, expected: list[str], edits: list[st
     assert [e.replacement for f in run.findings if f.fix is not None for e in f.fix.edits] == edits
 
 
+_SENSOR = '<gazebo reference="a"><sensor name="{name}" type="imu"><update_rate>9</update_rate></sensor></gazebo>'
+
+
+def test_sensors_of_a_file_that_is_included_twice_need_one_include_less(tmp_path: Path) -> None:
+    xmlns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    (tmp_path / "s.xacro").write_text(f"<robot {xmlns}>{_SENSOR.format(name='imu')}</robot>", encoding="utf-8")
+    include = '<xacro:include filename="s.xacro"/>'
+    (finding,) = find(tmp_path, robot(ARM, include, include, xacro=True), "GZB004", name="r.urdf.xacro")
+    assert finding.message.endswith(
+        "2 sensors named imu, because their file is included more than once; the second is dropped"
+    )
+    assert finding.location.span is not None
+    assert finding.location.span.line > 1
+    assert finding.fix is not None
+    assert finding.fix.title == "delete one of the includes"
+
+
+@pytest.mark.parametrize(
+    ("body", "repair"),
+    [
+        (_SENSOR.format(name="imu") * 3, "give each sensor its own name"),
+        (
+            f'<xacro:macro name="m" params="p">{_SENSOR.format(name="imu")}</xacro:macro>'
+            + "".join(f'<xacro:m p="{p}"/>' for p in "xyz"),
+            "use a parameter of the macro in the name, so that it differs in each call",
+        ),
+    ],
+)
+def test_sensors_of_one_name_are_counted(tmp_path: Path, body: str, repair: str) -> None:
+    (finding,) = find(tmp_path, robot(ARM, body, xacro=True), "GZB004", name="r.urdf.xacro")
+    assert finding.message == "a has 3 sensors named imu; all but the first are dropped"
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+
+
 # -- control ------------------------------------------------------------------------------------------------------------
 
 
@@ -575,8 +616,30 @@ def test_a_name_without_the_dollar_sign_of_its_expression_needs_that(tmp_path: P
     drives = "".join(f'<transmission name="t{i}"><joint name="{{leg}}_knee"/></transmission>' for i in range(2))
     (finding,) = find(tmp_path, robot(ARM, drives), "CTL001")
     assert finding.headline == "transmissions name a joint not in the robot: {leg}_knee"
+    assert finding.severity is Severity.WARNING
     assert finding.fix is not None
     assert finding.fix.title.startswith("write ${leg} instead of {leg} where xacro expands the file")
+
+
+def test_what_a_transmission_without_a_type_lacks_is_one_finding(tmp_path: Path) -> None:
+    bare = '<transmission name="t"><joint name="joint"/><actuator name="m"/></transmission>'
+    (finding,) = find(tmp_path, robot(ARM, bare.replace('"joint"', '"j"')), "CTL003")
+    assert (finding.message_id, finding.severity) == ("type", Severity.WARNING)
+    assert finding.fix is not None
+    assert finding.fix.title == (
+        "add <type>transmission_interface/SimpleTransmission</type>, a <hardwareInterface> in the <joint>; "
+        "or delete the transmission if no program reads it"
+    )
+
+
+def test_a_drive_plugin_of_a_robot_without_wheels_needs_wheels(tmp_path: Path) -> None:
+    plugin = '<plugin name="d" filename="libgazebo_ros_diff_drive.so"><leftJoint>l</leftJoint><rightJoint>r</rightJoint></plugin>'
+    body = joint("j", "base", "top", kind="fixed")
+    found = find(tmp_path, robot(link("base"), link("top"), body, f"<gazebo>{plugin}</gazebo>"), "CTL007")
+    repairs = {finding.fix.title for finding in found if finding.fix is not None}
+    assert repairs == {
+        "give the robot wheels with continuous joints of these names (no joint of it moves), or delete the plugin"
+    }
 
 
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:

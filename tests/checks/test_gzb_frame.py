@@ -56,6 +56,14 @@ def test_a_camera_has_its_pictures_in_the_optical_frame(tmp_path: Path, kind: st
     assert f"<gz_frame_id>{frame}</gz_frame_id>" in finding.fix.title
 
 
+def test_each_sensor_is_told_its_own_frame(tmp_path: Path) -> None:
+    inner = sensor() + '</gazebo><gazebo reference="top">' + sensor("imu", name="imu")
+    top = '<link name="top"/><joint name="j" type="fixed"><parent link="base"/><child link="top"/></joint>'
+    (finding,) = find_frames(tmp_path, inner, NEW + top)
+    assert finding.fix is not None
+    assert "into each: base into scan, top into imu (" in finding.fix.title
+
+
 def test_a_broadcaster_of_ros2_control_names_the_frame(tmp_path: Path) -> None:
     control = '<ros2_control name="c" type="system"><sensor name="{}"/></ros2_control>'
     assert not find_frames(tmp_path / "a", sensor("imu"), NEW + control.format("scan"))

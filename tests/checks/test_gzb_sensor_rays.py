@@ -4,8 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
 from builders import box, collision, find, joint, limit, link, robot, visual
+
+from urdfcheck.model.gazebo import GazeboSensor
+from urdfcheck.model.shapes.sensor_rays import SelfScan
+from urdfcheck.source.text.xml import Element
 
 TETRAHEDRON = "v 1 0 0\nv 1.2 0.1 0\nv 1.2 -0.1 0\nv 1.1 0 0.3\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
 
@@ -96,3 +101,18 @@ def test_rays_in_the_plane_of_a_face_show_nothing(tmp_path: Path, height: float,
 def test_a_graze_is_not_enough(tmp_path: Path) -> None:
     rod = joint("mount", "base", "rod", xyz="2 0 0") + link("rod", visual(box("0.01 0.01 1")))
     assert list_seen(tmp_path, link("base"), rod, sensor("gpu_ray")) == []
+
+
+@pytest.mark.parametrize(
+    ("blocked", "sectors"),
+    [
+        ("11111", ["0° to 1°"]),
+        ("11011", ["0° to 1°"]),
+        ("10001", ["0° to 0°", "1° to 1°"]),
+    ],
+)
+def test_a_ray_between_two_sectors_does_not_part_them(blocked: str, sectors: list[str]) -> None:
+    distances = np.array([[1.0 if ray == "1" else np.inf for ray in blocked]])
+    parsed = GazeboSensor(Element("sensor", None), "base")
+    scan = SelfScan(sensor=parsed, least=0.1, azimuths=np.radians([0, 0.2, 0.3, 0.45, 0.9]), distances=distances, seen=())
+    assert scan.describe_sectors() == sectors

@@ -63,6 +63,9 @@ def test_a_package_in_a_submodule_that_is_not_checked_out(tmp_path: Path, path: 
     assert ("(the submodule of package 'q' is not checked out)" in declared.message) == (path == "q")
 
 
+XACRO = '<param name="robot_description" command="$(find xacro)/xacro {}"/>'
+
+
 def load(path: str) -> str:
     return f'<param name="robot_description" textfile="{path}"/>'
 
@@ -81,10 +84,38 @@ def load(path: str) -> str:
         (f'<arg name="sim" default="true"/><group unless="$(arg sim)">{load("none.xacro")}</group>', None),
         (f'<arg name="sim" default="true"/><group if="$(arg sim)">{load("none.xacro")}</group>', "file"),
         (LOAD, None),
+        # The shell splits what an argument holds, unless it is quoted.
+        (f'<arg name="m" default="$(find car)/urdf/car.urdf x:=1"/>{XACRO.format("$(arg m)")}', None),
+        (f'<arg name="m" default="$(find car)/urdf/car.urdf x:=1"/>{XACRO.format("&apos;$(arg m)&apos;")}', "file"),
     ],
 )
 def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: str | None) -> None:
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+
+
+def test_the_own_package_is_meant_where_it_has_the_file(tmp_path: Path) -> None:
+    (finding,) = find_in_package(tmp_path, load("$(find spot_description)/urdf/car.urdf"), "LCH001")
+    assert finding.message_id == "package"
+    assert "(did you mean 'car'?)" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("FindPackageShare('arm').find('arm')", "arm.xacro was found in no package here"),
+        ("LaunchConfiguration('where').perform(context)", "the folder of arm.xacro depends on `share`"),
+    ],
+)
+def test_a_python_launch_file_of_a_folder_that_was_given_says_on_request_what_it_loads(
+    tmp_path: Path, text: str, told: str
+) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    code = (
+        f"share = {text}\nmodel = os.path.join(share, 'arm.xacro')\nsemantic = os.path.join(share, 'arm.srdf.xacro')\n"
+    )
+    (tmp_path / "car/launch/arm.launch.py").write_text(code)
+    (finding,) = only(check(tmp_path / "car", codes={"LCH001"}))
+    assert (finding.message_id, finding.data["reason"]) == ("computed", told)
 
 
 def test_a_declared_dependency_is_merely_not_installed(tmp_path: Path) -> None:
@@ -509,12 +540,32 @@ def test_a_required_argument_is_the_including_files_business(tmp_path: Path) -> 
 
 def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) -> None:
     body = '\n  <arg name="x" default="1"/>\n  <param name="use_gui" value="1"/><param name="p" value="1"/>\n'
+    body += '<node name="j" pkg="joint_state_publisher" type="joint_state_publisher"/>'
     (unused,) = find_in_launch(tmp_path, body, "LCH004")
     (leftover,) = find_in_launch(tmp_path, body, "LCH007")
     assert unused.fix is not None
     assert leftover.fix is not None
     assert [e.expected for e in unused.fix.edits] == ['  <arg name="x" default="1"/>\n']
     assert [e.expected for e in leftover.fix.edits] == ['<param name="use_gui" value="1"/>']
+
+
+@pytest.mark.parametrize(
+    ("nodes", "repairs"),
+    [
+        ("", []),
+        ("joint_state_publisher", ["delete the line; start joint_state_publisher_gui if you want sliders"]),
+        (
+            "joint_state_publisher joint_state_publisher_gui",
+            ["delete the line; the file starts joint_state_publisher_gui, which has the sliders"],
+        ),
+    ],
+)
+def test_a_parameter_of_joint_state_publisher_matters_where_that_is_started(
+    tmp_path: Path, nodes: str, repairs: list[str]
+) -> None:
+    body = "".join(f'<node name="n" pkg="{name}" type="{name}"/>' for name in nodes.split())
+    found = find_in_launch(tmp_path, f'<param name="use_gui" value="1"/>{body}', "LCH007")
+    assert [finding.fix.title for finding in found if finding.fix is not None] == repairs
 
 
 @pytest.mark.parametrize(("other", "exported"), [("tf_footprint_base", True), ("controllers", False)])
@@ -663,6 +714,7 @@ def test_without_the_model_the_footprint_may_be_its_root_already(tmp_path: Path)
     (finding,) = find_in_launch(tmp_path, transform(words).removeprefix(LOAD), "LCH005")
     assert finding.fix is not None
     assert finding.fix.title.startswith("delete the node; a robot that needs base_footprint has it as the root link")
+    assert finding.severity is Severity.INFO
 
 
 def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:

@@ -438,6 +438,18 @@ def test_files_of_one_folder_with_a_blank_are_one_finding(tmp_path: Path) -> Non
     assert [len(f.data["files"]) for f in audit(model, *links, codes={"PKG011"}).findings] == [2, 1]
 
 
+@pytest.mark.parametrize(("name", "count"), [("a.stl", 0), ("b c.stl", 1)])
+def test_blanks_of_the_folder_that_the_package_is_in_are_not_the_models(tmp_path: Path, name: str, count: int) -> None:
+    model = package(tmp_path / "my copy", f"meshes/{name}")
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    text += make_mesh_link("a", f"file://$(find p)/meshes/{name}") + "</robot>"
+    model = model.with_suffix(".urdf.xacro")
+    model.write_text(text, encoding="utf-8")
+    found = check(model, codes={"PKG011"}).findings
+    assert len(found) == count
+    assert all(f.message.startswith("the path '") and f.message.endswith("b c.stl' has blanks") for f in found)
+
+
 # -- packages that are meant, and packages that are not here ---------------------------------------------------------------
 
 
@@ -548,10 +560,44 @@ def test_the_program_that_stops_is_that_of_the_package_s_ros(
     tmp_path: Path, build: str, launcher: str, uses: str
 ) -> None:
     own = manifest(f"<export><build_type>{build}</build_type></export>")
-    launch = f'<launch><include file="$(find {uses})/a.launch"/></launch>'
+    find = "find-pkg-share" if build == "ament_cmake" else "find"
+    launch = f'<launch><include file="$({find} {uses})/a.launch"/></launch>'
     write(tmp_path, {"p/package.xml": own, "p/urdf/r.urdf": URDF, "p/launch/a.launch": launch})
     (finding,) = findings(tmp_path, "PKG007")
     assert set(finding.consequences) == {launcher}
+
+
+@pytest.mark.parametrize(
+    ("build", "text", "names"),
+    [
+        ("ament_cmake", '<node pkg="amcl" type="amcl" name="n"/><include file="$(find tf2)/a.launch"/>', []),
+        (
+            "ament_cmake",
+            '<node pkg="amcl" exec="amcl"/><include file="$(find-pkg-share tf2)/a.launch"/>',
+            ["tf2", "amcl"],
+        ),
+        ("catkin", '<node pkg="amcl" type="amcl" name="n"/><include file="$(find tf2)/a.launch"/>', ["tf2", "amcl"]),
+    ],
+)
+def test_a_launch_file_of_ros_1_needs_nothing_in_a_package_of_ros_2(
+    tmp_path: Path, build: str, text: str, names: list[str]
+) -> None:
+    own = manifest(f"<export><build_type>{build}</build_type></export>")
+    write(tmp_path, {"package.xml": own, "urdf/r.urdf": URDF, "launch/a.launch": f"<launch>{text}</launch>"})
+    assert [name for finding in findings(tmp_path, "PKG007") for name in finding.data["names"]] == names
+
+
+def test_a_package_that_is_not_found_may_be_in_a_submodule(tmp_path: Path) -> None:
+    launch = '<launch><include file="$(find arm5)/a.launch"/></launch>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch, ".git/HEAD": ""})
+    write(tmp_path, {".gitmodules": '[submodule "arms"]\n\tpath = arms\n'})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert "neither what is checked out of the repository nor a ROS distribution" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title == (
+        "declare it if it is in a submodule that is not checked out (arms) or elsewhere: `<exec_depend>arm5</exec_depend>`; "
+        "correct an old name"
+    )
 
 
 @pytest.mark.parametrize(
@@ -786,7 +832,7 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
 def test_a_file_to_which_nothing_leads_needs_no_package(
     tmp_path: Path, ament: bool, place: str, told: bool, name: str
 ) -> None:
-    launch = f'<launch><include file="$(find {name})/a.launch"/></launch>'
+    launch = f'<launch><include file="$({"find-pkg-share" if ament else "find"} {name})/a.launch"/></launch>'
     text = manifest("<export><build_type>ament_cmake</build_type></export>" if ament else "")
     install = "install(DIRECTORY launch urdf DESTINATION share/p)" if ament else ""
     write(tmp_path, {"package.xml": text, "urdf/r.urdf": URDF, place: launch, "CMakeLists.txt": install})
@@ -1096,10 +1142,11 @@ def find_duplicates(*paths: Path) -> list[tuple[str, list[str]]]:
     [
         ("chapter_2_codes/car", "chapter_10_codes/car", "series"),
         ("Week1/car", "Week2/car", "series"),
-        ("chapter_2/car", "chapter_3/old/car", "several"),
-        ("chapter_2/car", "car", "several"),
-        ("robot1/car", "robot2/car", "several"),  # a copy
-        ("patch1/car", "patch2/car", "several"),
+        ("chapter_2/car", "chapter_3/old/car", "workspaces"),
+        ("chapter_2/car", "car", "workspaces"),
+        ("robot1/car", "robot2/car", "workspaces"),
+        ("robot/car", "robot/car_copy", "several"),
+        ("patch1/car", "patch2/car", "workspaces"),
         ("before/src/car", "today/src/old/car", "workspaces"),
         ("src/old/car", "src/new/car", "several"),
     ],

@@ -293,6 +293,11 @@ def test_a_launch_file_of_rosbuild_names_the_folder_that_the_clone_should_have(
     [
         (("r/mesh/a.stl",), "write `mesh/a.stl`: the file is there", ["mesh/a.stl"]),
         (("mesh/a.stl",), "write `../mesh/a.stl`: the file is there", ["../mesh/a.stl"]),
+        (
+            ("q/package.xml", "q/mesh/a.stl"),
+            "write `package://p/mesh/a.stl`: the package has the file",
+            ["package://p/mesh/a.stl"],
+        ),
         (("r/a.stl",), "move the file into", []),  # any folder may have a file of this name
         (
             ("package.xml", "stl/a.stl"),
@@ -307,18 +312,27 @@ def test_a_machine_path_may_mean_a_file_that_is_here(
 ) -> None:
     (tmp_path / ".git").mkdir()
     write(tmp_path, *files, text="<package><name>p</name></package>")
-    finding = find(tmp_path / "r/r.urdf", "/home/ann/thing/mesh/a.stl", code="PKG004")
+    finding = find(tmp_path / "r/r.urdf", "/home/ann/q/mesh/a.stl", code="PKG004")
     assert finding.fix is not None
     assert finding.fix.title.startswith(begin)
     assert [e.replacement for e in finding.fix.edits] == edit
 
 
-@pytest.mark.parametrize(("there", "edit"), [(("b.stl", "c.stl"), []), (("b.stl",), ["BASE.stl"])])
-def test_another_spelling_may_be_another_robots_file(tmp_path: Path, there: tuple[str, ...], edit: list[str]) -> None:
+@pytest.mark.parametrize(
+    ("there", "beside", "edit"),
+    [
+        (("b.stl", "c.stl"), "a.stl", []),
+        (("b.stl",), "a.stl", ["BASE.stl"]),
+        (("b.stl", "c.stl"), "d.stl", ["BASE.stl"]),
+    ],
+)
+def test_another_spelling_may_be_another_robots_file(
+    tmp_path: Path, there: tuple[str, ...], beside: str, edit: list[str]
+) -> None:
     """The other files of the model are in a folder that has this name as typed."""
     write(tmp_path / "p", "package.xml", text="<package><name>p</name></package>")
-    write(tmp_path / "p/meshes", "BASE.stl", "arm/Base.stl", *(f"arm/{name}" for name in there))
-    typed = (f"package://p/meshes/{name}" for name in ("Base.stl", "b.stl", "c.stl"))
+    write(tmp_path / "p/meshes", "BASE.stl", beside, "arm/Base.stl", *(f"arm/{name}" for name in there))
+    typed = (f"package://p/meshes/{name}" for name in ("Base.stl", "b.stl", "c.stl", "d.stl"))
     finding = find(tmp_path / "p/urdf/r.urdf", *typed, code="PKG003")
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == edit

@@ -310,7 +310,7 @@ PLUGIN = '<gazebo><plugin name="c" filename="libgazebo_ros_control.so"/></gazebo
 
 @pytest.mark.parametrize(
     ("by_macro", "plugin", "severity"),
-    [(True, "", Severity.WARNING), (True, PLUGIN, Severity.ERROR), (False, "", Severity.ERROR)],
+    [(True, "", Severity.WARNING), (True, PLUGIN, Severity.ERROR), (False, "", Severity.WARNING)],
 )
 def test_transmissions_of_a_part_on_show_drive_nothing(
     tmp_path: Path, by_macro: bool, plugin: str, severity: Severity
@@ -425,7 +425,7 @@ def test_ros_2_cannot_load_the_control_of_ros_1_in_classic_either(tmp_path: Path
     ("launch", "severity"),
     [
         ("Node(package='gazebo_ros', executable='spawn_entity.py')", Severity.INFO),
-        ("# Node(package='gazebo_ros')", Severity.WARNING),
+        ("# Node(package='ros_gz_sim')", Severity.INFO),
         ("Node(package='gazebo_ros'); Node(package='ros_gz_sim')", Severity.WARNING),
     ],
 )

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule, Severity, Span
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
+from urdfcheck.model.gazebo import reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
@@ -15,6 +16,7 @@ from urdfcheck.source.text.xml import Attribute
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for tag in ("ros2_control", "transmission"):
+        severity = Severity.WARNING if tag == "transmission" and not reads_transmissions(model) else None
         foreign: list[Attribute] = []
         free = model.joint_by_name.keys() - _collect_named_joints(model, tag)
         for block in model.robot.find_children(tag):
@@ -30,6 +32,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 yield rule.finding(
                     tag,
                     at=name,
+                    severity=severity,
                     related=name.collect_definitions(),
                     edits=edit_value(name, meant) if meant is not None else (),
                     joint=name.value,
@@ -37,7 +40,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     near=hint,
                 )
         if foreign:
-            yield _build_foreign_finding(model, rule, tag, foreign)
+            yield _build_foreign_finding(rule, tag, foreign, severity=severity)
 
 
 def _collect_named_joints(model: Model, tag: str) -> set[str]:
@@ -46,14 +49,14 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
     return {element.get("name") for block in blocks for element in block.walk() if element.tag == "joint"}
 
 
-def _build_foreign_finding(model: Model, rule: Rule, tag: str, names: list[Attribute]) -> Finding:
+def _build_foreign_finding(rule: Rule, tag: str, names: list[Attribute], *, severity: Severity | None) -> Finding:
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     typed = list(dict.fromkeys(name.value for name in names))
     finding = rule.finding(
         f"{tag}-strange",
         at=names[0],
-        severity=Severity.WARNING if tag == "transmission" and _is_idle_part(model, names) else None,
+        severity=severity,
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
@@ -68,18 +71,3 @@ def _describe_repair(tag: str, names: list[str]) -> str:
         return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
     entries = "transmissions" if tag == "transmission" else "entries"
     return f"write the joints of this robot, delete the {entries}, or move them to the part that has these joints"
-
-
-def _is_idle_part(model: Model, names: list[Attribute]) -> bool:
-    """Whether macros bring in the transmissions of these joints, and the model has no plugin that reads them.
-
-    It shows a part then, and the robot that uses the macros has the joints.
-    """
-    plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
-    reads = any("gazebo_ros_control" in plugin.get("filename") for plugin in plugins)
-    return not reads and all(any(_is_macro_call(model, place) for place in name.owner.via) for name in names)
-
-
-def _is_macro_call(model: Model, place: Span) -> bool:
-    file = model.source.files.get(place.file)
-    return file is not None and not file.text[place.start : place.end].startswith("<xacro:include")

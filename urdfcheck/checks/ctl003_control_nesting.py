@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Collection, Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
+from urdfcheck.model.gazebo import reads_transmissions
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.source.package.build_files import read_build_type
@@ -19,25 +20,20 @@ INTERFACES = (
     *("PosVelJointInterface", "PosVelAccJointInterface"),
 )
 _PREFIX = "hardware_interface/"
-_TYPED = "add <type>transmission_interface/SimpleTransmission</type>"
+_TYPE = "<type>transmission_interface/SimpleTransmission</type>"
 _UNREAD = "delete it: ROS 2 reads the transmissions inside <ros2_control> only"
-_CLASSIC = re.compile(r"gazebo_ros_control")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    # Only gazebo_ros_control reads transmissions; without it they may be an exporter's leftovers.
-    simulated = any(
-        _CLASSIC.search(plugin.get("filename"))
-        for block in model.robot.find_children("gazebo")
-        for plugin in block.find_children("plugin")
-    )
+    # Without gazebo_ros_control the transmissions may be an exporter's leftovers, or for a program of another kind.
+    simulated = reads_transmissions(model)
     # ROS 2 has no program that reads the hardwareInterface.
     is_ros1 = simulated or not _is_for_ros2(model)
     severity = None if simulated else Severity.WARNING
     yield from _check_nesting(model, rule, severity=severity)
     driven = _list_driven_joints(model)
     for transmission in model.robot.find_children("transmission"):
-        yield from _check_transmission(rule, transmission, severity=severity, is_ros1=is_ros1)
+        yield from _check_type(rule, transmission, severity=severity, is_ros1=is_ros1)
         if is_ros1:
             yield from _check_interfaces(model, rule, transmission, severity=severity, driven=driven)
     if is_ros1:
@@ -75,20 +71,32 @@ def _check_nesting(model: Model, rule: Rule, *, severity: Severity | None) -> It
             )
 
 
-def _check_transmission(
-    rule: Rule, transmission: Element, *, severity: Severity | None, is_ros1: bool
-) -> Iterator[Finding]:
-    if "type" in transmission.attributes:  # the syntax of the PR2
-        return
+def _has_type(transmission: Element) -> bool:
     kind = transmission.find_child("type")
-    if kind is None or not kind.text.strip():
+    # The attribute is the syntax of the PR2.
+    return "type" in transmission.attributes or (kind is not None and bool(kind.text.strip()))
+
+
+def _check_type(rule: Rule, transmission: Element, *, severity: Severity | None, is_ros1: bool) -> Iterator[Finding]:
+    if not _has_type(transmission):
         yield rule.finding(
             "type",
             at=transmission,
             severity=severity if is_ros1 else Severity.INFO,
             name=transmission.get("name"),
-            repair=_TYPED if is_ros1 else _UNREAD,
+            repair=_describe_typing(transmission, is_read=severity is None) if is_ros1 else _UNREAD,
         )
+
+
+def _describe_typing(transmission: Element, *, is_read: bool) -> str:
+    """Say what is to be added before ros_control reads a transmission without a type: it drops one without a part of this."""
+    joints, actuators = transmission.find_children("joint"), transmission.find_children("actuator")
+    lacking = [_TYPE]
+    if any(joint.find_child("hardwareInterface") is None for joint in joints):
+        lacking.append("a <hardwareInterface> in the <joint>")
+    if not actuators or any(not actuator.get("name") for actuator in actuators):
+        lacking.append("an <actuator> with a name")
+    return f"add {join_names(lacking)}" + ("" if is_read else "; or delete the transmission if no program reads it")
 
 
 def _check_interfaces(
@@ -99,7 +107,7 @@ def _check_interfaces(
     name = transmission.get("name")
     for joint in transmission.find_children("joint"):
         interfaces = joint.find_children("hardwareInterface")
-        if not any(interface.text.strip() for interface in interfaces):
+        if not any(interface.text.strip() for interface in interfaces) and _has_type(transmission):
             moved = [
                 e
                 for actuator in transmission.find_children("actuator")

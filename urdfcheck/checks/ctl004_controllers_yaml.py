@@ -52,6 +52,8 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
             yield from _check_command_interfaces(model, rule, config)
         yield from _check_gpios(model, rule, config)
     for config in configs:
+        if _is_left_over(model, config, named=named):
+            continue
         for controller in config.configuration.controllers:
             # Without a reference to the file, wheels of this name on another robot may be meant.
             others = elsewhere if config.named_at is None else None
@@ -122,7 +124,7 @@ def _check_unknown_joints(
     uses = _collect_unknown_joints(model, config.configuration.controllers, known=known, elsewhere=elsewhere)
     if uses and config.named_at is None and _is_for_another_model(model, config):
         return
-    is_left_over = bool(uses) and named is not None and config.named_at is None and _is_loaded_by_nothing(model, config)
+    is_left_over = bool(uses) and _is_left_over(model, config, named=named)
     # A joint that another controller of the file names is meant there, and two names do not mean one joint.
     unnamed = frozenset(model.joint_by_name) - config.configuration.joint_names
     nearest = Counter(find_nearest_name(name, unnamed) for name in [*uses][:MOST_HINTS])
@@ -143,14 +145,13 @@ def _check_unknown_joints(
         )
 
 
-def _is_loaded_by_nothing(model: Model, config: AssociatedConfiguration) -> bool:
-    """Whether neither a launch file nor a semantic description shows that the configuration is loaded."""
-    from urdfcheck.source.launch.model_launches import may_load_yaml  # loaded only if a name is unknown
+def _is_left_over(model: Model, config: AssociatedConfiguration, *, named: Path | None) -> bool:
+    """Whether the robot names another file, and neither a launch file nor a semantic description shows that it loads this one."""
+    if named is None or config.named_at is not None or semantic_descriptions(model):
+        return False
+    from urdfcheck.source.launch.model_launches import may_load_yaml  # few robots have a file that they do not name
 
-    source = model.source
-    return not semantic_descriptions(model) and not may_load_yaml(
-        source.path, source.finder, config.configuration.path.name
-    )
+    return not may_load_yaml(model.source.path, model.source.finder, config.configuration.path.name)
 
 
 def _is_for_another_model(model: Model, config: AssociatedConfiguration) -> bool:

@@ -21,6 +21,8 @@ _TRUE_POSE = {
 # No ground makes the track of a skid steer so much narrower than it is.
 _NARROW = 0.6
 
+_NO_WHEELS = "give the robot wheels with continuous joints of these names (no joint of it moves), or delete the plugin"
+
 if TYPE_CHECKING:
     from urdfcheck.model import Model
     from urdfcheck.source.text.xml import Element
@@ -47,7 +49,8 @@ def _check_plugin(
             or format_name_hint(name, free)
             or _format_fixed_hint(name, set(model.joint_by_name) - turning)
         )
-        yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near)
+        repair = f"write the name of a joint of the robot{near}" if turning else _NO_WHEELS
+        yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near, repair=repair)
     fixed = [element for element in (*left, *right) if element.text.strip() in set(model.joint_by_name) - turning]
     if fixed:
         yield rule.finding(

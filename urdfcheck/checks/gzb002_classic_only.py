@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.simulation_use import has_successor_branch, starts_classic
+from urdfcheck.model.gazebo import is_for_new_gazebo
+from urdfcheck.model.simulation_use import has_successor_branch, names_successor
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -45,15 +46,18 @@ _REPLACEMENTS = {
 # The successor of this plugin reads the same parameters. Its names alone do not move a robot: the hardware plugin of the
 # <ros2_control> block, possibly in another file, and elements such as <robot_sim_type> belong to it.
 _SUCCEEDED = "gazebo_ros2_control"
-_ROS1_CONTROL = "gazebo_ros_control"
+# Libraries of ROS 1 that no package of ROS 2 builds, not for Classic either.
+_ROS1_LIBRARIES = frozenset({
+    "gazebo_ros_block_laser", "gazebo_ros_control", "gazebo_ros_depth_camera", "gazebo_ros_f3d", "gazebo_ros_gpu_laser",
+    "gazebo_ros_imu", "gazebo_ros_laser", "gazebo_ros_multicamera", "gazebo_ros_openni_kinect", "gazebo_ros_prosilica",
+    "gazebo_ros_range", "gazebo_ros_skid_steer_drive", "hector_gazebo_ros_gps", "hector_gazebo_ros_imu",
+    "hector_gazebo_ros_magnetic", "hector_gazebo_ros_sonar",
+})  # fmt: skip
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
 # The library of a system in a replacement, and the beginnings of its names in other releases.
 _SYSTEM = re.compile(r"gz[\w-]*-system")
 _RELEASES = re.compile(r"^(?:ignition-gazebo|gz-sim)\d*-|^ign_")
-# Packages of Gazebo Classic, and the beginnings of the names of those of its successor.
-_CLASSIC_PACKAGES = frozenset({
-    "gazebo_dev", "gazebo_plugins", "gazebo_ros", "gazebo_ros_control", "gazebo_ros_pkgs", "gazebo_ros2_control",
-})  # fmt: skip
+# The beginnings of the names of packages of the new Gazebo.
 _NEW_PACKAGES = ("gz_", "ign_", "ros_gz", "ros_ign")
 # gz-sim makes no sensor of these types (SdfEntityCreator: "not supported yet").
 _CPU_LIDARS = frozenset({"ray", "lidar"})
@@ -73,42 +77,38 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             plugins.setdefault(match.group(1), []).append(filename)
     hardware = _list_hardware_plugins(model)
     if plugins:
-        is_migrated = (_SUCCEEDED in plugins or _is_for_ros2(model)) and not _is_for_classic(model, plugins)
+        old = [library for library in plugins if library in _ROS1_LIBRARIES] if _is_for_ros2(model) else []
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
         replacement = _describe_replacements(plugins, _list_new_systems(gazebo))
-        severity = None if is_migrated else Severity.INFO
-        yield _build_plugin_finding(rule, plugins, related=related, severity=severity, replacement=replacement)
+        severity = None if old or _is_for_successor(model) else Severity.INFO
+        yield _build_plugin_finding(rule, plugins, old, related=related, severity=severity, replacement=replacement)
     if _SUCCEEDED not in plugins:
         for control, plugin in hardware:
             yield rule.finding(
                 "hardware",
                 at=plugin,
-                severity=Severity.INFO if _is_for_classic(model, plugins) else None,
+                severity=None if _is_for_successor(model) else Severity.INFO,
                 plugin=plugin.text.strip(),
                 control=control.get("name"),
             )
 
 
 def _is_for_ros2(model: Model) -> bool:
-    """Whether the package or the model itself is for ROS 2, where Gazebo Classic has no successor in use but gz sim."""
+    """Whether the package or the model itself is for ROS 2 alone."""
     if model.robot.find_child("ros2_control") is not None:
         return True
     package = model.package
     if package is None or package.root is None:
         return False
-    return read_build_type(package.root).startswith("ament_") or package.depends_on_ament
+    is_for_both = "catkin" in package.dependencies
+    return read_build_type(package.root).startswith("ament_") or (package.depends_on_ament and not is_for_both)
 
 
-def _is_for_classic(model: Model, libraries: Collection[str]) -> bool:
-    """Whether the package depends on Gazebo Classic or starts it, and not its successor: the plugins are the right ones.
-
-    What a robot of ROS 2 starts cannot load the library of ROS 1.
-    """
+def _is_for_successor(model: Model) -> bool:
+    """Whether the robot, its package or what starts it uses the new Gazebo: only there its plugins for Classic are missing."""
     needed = frozenset() if model.package is None else model.package.dependencies
-    if any(name.startswith(_NEW_PACKAGES) for name in needed):
-        return False
-    return not needed.isdisjoint(_CLASSIC_PACKAGES) or (_ROS1_CONTROL not in libraries and starts_classic(model))
+    return is_for_new_gazebo(model) or any(name.startswith(_NEW_PACKAGES) for name in needed) or names_successor(model)
 
 
 def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
@@ -128,6 +128,7 @@ def _build_material_finding(rule: Rule, elements: list[Element]) -> Finding:
 def _build_plugin_finding(
     rule: Rule,
     plugins: Mapping[str, list[Attribute]],
+    old: Sequence[str],
     *,
     related: Iterable[Element],
     severity: Severity | None,
@@ -144,6 +145,9 @@ def _build_plugin_finding(
         names=join_names(plugins, 3),
         libraries=join_names((uses[0].value.strip() for uses in plugins.values()), 3),
         replacement=replacement,
+        old=f"; {join_names(old, 3)} {'is' if len(old) == 1 else 'are'} of ROS 1, which a robot of ROS 2 loads in no Gazebo"
+        if old
+        else "",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Mapping
 from difflib import SequenceMatcher
 
-from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
+from urdfcheck.core import FactUnavailableError, Finding, Location, Rule, Severity, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
 from urdfcheck.model import Model
@@ -67,12 +67,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if is_for_new_gazebo(model):
         for sensor in sensors:
             yield from _check_cpu_lidar(sensor, rule)
-    yield from _check_duplicate_topics(sensors, rule)
+    yield from _check_duplicate_topics(_drop_repeated(sensors), rule)
     try:
         reduction = reduce_fixed_joints(model)
     except FactUnavailableError:
         return
-    yield from _check_duplicate_names(sensors, reduction, rule)
+    yield from _check_duplicate_names(model, sensors, reduction, rule)
     for unknown in _iter_unknown_collisions(sensors, reduction):
         if _is_meant_to_be_kept(model, unknown.sensor.reference, reduction):
             continue  # GZB001 and GZB003 report the block that does not keep the link
@@ -201,6 +201,11 @@ def _check_cpu_lidar(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("cpu-lidar", at=typed, edits=edits, sensor=sensor.name, type=sensor.type)
 
 
+def _drop_repeated(sensors: list[GazeboSensor]) -> list[GazeboSensor]:
+    """Leave out all but the first of the sensors of one place and name: a file is included more than once."""
+    return list({(sensor.element.span, sensor.name): sensor for sensor in reversed(sensors)}.values())[::-1]
+
+
 def _check_duplicate_topics(sensors: list[GazeboSensor], rule: Rule) -> Iterator[Finding]:
     """Report sensors of one type that publish under one name."""
     alike: dict[tuple[str, str], list[Element]] = {}
@@ -215,7 +220,7 @@ def _check_duplicate_topics(sensors: list[GazeboSensor], rule: Rule) -> Iterator
 
 
 def _check_duplicate_names(
-    sensors: list[GazeboSensor], reduction: FixedJointReduction, rule: Rule
+    model: Model, sensors: list[GazeboSensor], reduction: FixedJointReduction, rule: Rule
 ) -> Iterator[Finding]:
     """Report sensors with one name in one link of SDF, which drops all but the first."""
     groups: dict[tuple[str, str], list[GazeboSensor]] = {}
@@ -225,15 +230,36 @@ def _check_duplicate_names(
     for (body, name), alike in groups.items():
         if len(alike) > 1:
             links = dict.fromkeys(sensor.reference for sensor in alike)
-            merged = f" (from {' and '.join(links)}, which Gazebo merges)" if len(links) > 1 else ""
+            first, second = (sensor.element for sensor in alike[:2])
+            include = _find_include(second, model) if first.span == second.span else None
             yield rule.finding(
                 "twice",
-                at=alike[1].element.attributes["name"],
-                related=[alike[0].element.attributes["name"]],
+                at=second.attributes["name"] if include is None else Location(second.subject, include),
+                related=[first.attributes["name"]],
                 name=name,
                 body=body,
-                merged=merged,
+                count=len(alike),
+                merged=f" (from {join_names(links)}, which Gazebo merges)" if len(links) > 1 else "",
+                included="" if include is None else ", because their file is included more than once",
+                rest="the second is" if len(alike) == 2 else "all but the first are",
+                repair=_describe_renaming(first, second, include),
             )
+
+
+def _find_include(element: Element, model: Model) -> Span | None:
+    """Return the include that brought an element in itself, not by a macro."""
+    place = element.via[-1] if element.via else None
+    file = None if place is None else model.source.files.get(place.file)
+    is_include = place is not None and file is not None and file.text.startswith("<xacro:include", place.start)
+    return place if is_include else None
+
+
+def _describe_renaming(first: Element, second: Element, include: Span | None) -> str:
+    if include is not None:
+        return "delete one of the includes"
+    if first.span == second.span and second.via:
+        return "use a parameter of the macro in the name, so that it differs in each call"
+    return "give each sensor its own name"
 
 
 def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction) -> bool:

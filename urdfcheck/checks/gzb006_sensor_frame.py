@@ -53,8 +53,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             noun="sensor" if len(without) == 1 else "sensors",
             verb="names" if len(without) == 1 else "name",
             example=f"{model.name}/{bodies.get(first.reference, first.reference)}/{first.name}",
-            link=_choose_frame(model, first, bodies),
+            repair=_describe_repair({sensor.name: _choose_frame(model, sensor, bodies) for sensor in without}),
         )
+
+
+def _describe_repair(frames: Mapping[str, str]) -> str:
+    """Say which frame each sensor is to name."""
+    if len(set(frames.values())) == 1:
+        return f"`<gz_frame_id>{next(iter(frames.values()))}</gz_frame_id>` into {'the sensor' if len(frames) == 1 else 'each'}"
+    places = join_names((f"{frame} into {sensor}" for sensor, frame in frames.items()), 4)
+    return f"`<gz_frame_id>…</gz_frame_id>` into each: {places}"
 
 
 def _choose_frame(model: Model, sensor: GazeboSensor, bodies: Mapping[str, str]) -> str:

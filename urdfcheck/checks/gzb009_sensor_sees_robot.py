@@ -42,6 +42,8 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan) -> Finding:
         sectors=join_names(scan.describe_sectors()),
         nearest=format_length(scan.nearest),
         farthest=format_length(scan.farthest),
+        rays="all its rays end" if scan.share == 1.0 else f"{scan.share:.1%} of its rays end",
+        distance=" to ".join(dict.fromkeys(map(format_length, (scan.nearest, scan.farthest)))),
         range=format_length(scan.least),
         beyond=f"{scan.farthest + 0.005:.2f}",
     )

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
@@ -49,7 +50,7 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
     """Report an include whose file or argument does not exist."""
     at, name = include.at, include.unresolved.name
     if include.unresolved.kind == "file":
-        yield rule.finding("include-file", at=at, path=name, near=_suggest_file(name, launch.finder))
+        yield rule.finding("include-file", at=at, path=name, **_describe_neighbours(name, launch.finder))
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
@@ -81,8 +82,12 @@ def _check_description(
                 repair = f"{checkout}; otherwise {repair}"
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near, repair=repair)
         else:
-            lack = f"the submodule of package {obstacle.name!r} is not checked out"
-            yield build_unknown(lack if is_submodule else f"package {obstacle.name!r} is not installed here")
+            yield build_unknown(
+                f"the submodule of package {obstacle.name!r} is not checked out"
+                if is_submodule
+                else f"package {obstacle.name!r} is not installed here",
+                repair=checkout if is_submodule else "install the package, or run urdfcheck on the model file",
+            )
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
         if obstacle.name not in names:
@@ -95,7 +100,7 @@ def _check_description(
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file":
-        yield rule.finding("file", at=at, path=obstacle.name, near=_suggest_file(obstacle.name, launch.finder))
+        yield rule.finding("file", at=at, path=obstacle.name, **_describe_neighbours(obstacle.name, launch.finder))
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:
@@ -108,9 +113,12 @@ def _is_generated(name: str, launch: Path) -> bool:
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
 
 
-def _build_unknown_finding(rule: Rule, at: Location, reason: str, *, is_explicit: bool) -> Finding:
+def _build_unknown_finding(
+    rule: Rule, at: Location, reason: str, *, is_explicit: bool, repair: str = "run urdfcheck on the model file"
+) -> Finding:
     """Report a description that is known only at launch; with the whole folder its models are checked as files."""
-    return rule.finding("unknown" if is_explicit else "computed", at=at, severity=Severity.INFO, reason=reason)
+    message = "unknown" if is_explicit else "computed"
+    return rule.finding(message, at=at, severity=Severity.INFO, reason=reason, repair=repair)
 
 
 def _check_python_launch(
@@ -132,12 +140,18 @@ def _check_python_launch(
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
-            near=_suggest_file(path, finder),
+            **_describe_neighbours(path, finder),
         )
     for named in python.unknown_models:
         message = "depends" if named.depends_on else "unfound"
+        reason = f"depends on `{named.depends_on}`" if named.depends_on else "was found in no package here"
         yield rule.finding(
-            message, at=named.location, severity=Severity.INFO, path=named.path, variable=named.depends_on
+            message if is_explicit else "computed",
+            at=named.location,
+            severity=Severity.INFO,
+            path=named.path,
+            variable=named.depends_on,
+            reason=f"{'the folder of ' * bool(named.depends_on)}{named.path} {reason}",
         )
     if python.description_location is not None and not (
         python.models or python.missing_models or python.unknown_models
@@ -167,9 +181,11 @@ def _is_in_rosbuild_package(text: str, finder: PackageFinder) -> bool:
 
 
 def _suggest_packages(launch: Launch, description: DescriptionSource, name: str, own: Package | None) -> list[str]:
-    """Return the packages with similar names that have the file, or else the launch file's own: its path may be wrong too."""
-    alike = launch.finder.suggest_names(name)
-    return launch.finder.suggest_names(name, _list_files(description.file)) or [
+    """Return the packages with similar names that have the file, or else the launch file's own if it has it or a similar name."""
+    alike, files = launch.finder.suggest_names(name), _list_files(description.file)
+    if own is not None and any((own.path / file).is_file() for file in files):
+        return [own.name]
+    return launch.finder.suggest_names(name, files) or [
         other for other in alike if own is not None and other == own.name
     ]
 
@@ -184,6 +200,12 @@ def _format_suggestions(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
+def _describe_neighbours(path: str, finder: PackageFinder) -> dict[str, Any]:
+    """Return what a message says about the folder of a missing file, and what the repair takes from it."""
+    near = _suggest_file(path, finder)
+    return {"near": near, "meant": near if near.startswith(" (") else ""}
+
+
 def _suggest_file(path: str, finder: PackageFinder) -> str:
     folder = Path(path).parent
     if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
@@ -191,7 +213,7 @@ def _suggest_file(path: str, finder: PackageFinder) -> str:
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        return f"; the folder {folder.as_posix()} does not exist either"
+        return f"; the folder {format_path(folder)} does not exist either"
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
     return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)

@@ -94,7 +94,8 @@ def _check_footprint(
     common: dict[str, Any] = {
         "at": transform.at,
         "cause": "solidworks-exporter" if exported else None,
-        "severity": Severity.INFO if model is not None and list_bolted_links(model) else None,
+        # Without the model nothing shows that the robot drives, and the exporter does not ask.
+        "severity": Severity.INFO if (exported if model is None else list_bolted_links(model)) else None,
         "parent": transform.parent,
         "child": transform.child,
     }

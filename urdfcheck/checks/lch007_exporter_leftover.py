@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
@@ -17,15 +18,25 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
         return
     # The SolidWorks exporter writes another node of this name beside the one that is left over.
     is_exported = any(e.tag == "node" and e.get("name") == "tf_footprint_base" for e in launch.root.walk())
+    started = {e.get("pkg") for e in launch.root.walk() if e.tag == "node"}
+    # An included file may start it.
+    may_publish = "joint_state_publisher" in started or any(e.tag == "include" for e in launch.root.walk())
+    sliders = (
+        "the file starts joint_state_publisher_gui, which has the sliders"
+        if "joint_state_publisher_gui" in started
+        else "start joint_state_publisher_gui if you want sliders"
+    )
     for element in launch.root.walk():
         message = _classify_leftover(element)
-        if message is not None:
+        if message is not None and (message != "use-gui" or may_publish):
+            data: dict[str, Any] = {"sliders": sliders} if message == "use-gui" else {}
             yield rule.finding(
                 message,
                 at=element,
                 cause="solidworks-exporter" if message == "calibration" and is_exported else None,
                 edits=build_removal_edits(element, launch.files),
                 name=element.get("name"),
+                **data,
             )
 
 

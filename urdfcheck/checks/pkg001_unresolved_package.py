@@ -11,6 +11,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.package_folders import is_rosbuild_package
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.project_folders import is_part_of_robot
@@ -78,7 +79,9 @@ def _build_finding(
     repair = _describe_repair(package, here, source, declared=declared)
     if is_submodule:
         repair = checkout
-    elif checkout and not near:
+    elif (
+        checkout and not near and not (declared and package in read_released_packages())
+    ):  # a released one is installed
         repair = f"{checkout}; otherwise {repair}"
     return rule.finding(
         message,

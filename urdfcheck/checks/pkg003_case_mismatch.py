@@ -56,9 +56,13 @@ def _find_moved_files(different: Sequence[ResourceUse], source: Source) -> dict[
     if not different:
         return {}
     index = index_files({find_search_root(use, source) for use in different})
-    absent = (find_missing_path(use, source) for use in list_resource_uses(source))
+    uses = list_resource_uses(source)
+    absent = (find_missing_path(use, source) for use in uses)
     typed = (use.resource.path for use in different)
-    return find_moved_files({normalise_path(path) for path in (*absent, *typed) if path is not None}, index)
+    missing = {normalise_path(path) for path in (*absent, *typed) if path is not None}
+    # A folder of which the model finds other files is the one that is meant.
+    found = {normalise_path(u.resource.path).parent for u in uses if u.resource.exists and u.resource.path is not None}
+    return find_moved_files({path for path in missing if path.parent not in found}, index)
 
 
 def _extract_typed_ending(use: ResourceUse, actual: str) -> str:

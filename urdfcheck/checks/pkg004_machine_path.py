@@ -90,14 +90,17 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
     """Return the package path of a file in the model's own package, or None for another file.
 
     The path may be that of another machine: what follows the name of the package there is then a file of the package here.
-    Without a package, it is the path from the model's folder.
+    For a model without a package, it is that of the package around the file, or else the path from the model's folder.
     """
     package, path = source.package, use.resource.path
     if path is None:
         return None
     if package is None:
         own = _find_by_ending(use, path, source)
-        return None if own is None else format_path_from_model(own, source)
+        around = None if own is None else source.finder.find_package_of(own)
+        if own is None or around is None or not around.name:
+            return None if own is None else format_path_from_model(own, source)
+        return f"package://{around.name}/{own.relative_to(around.path).as_posix()}"
     if use.resource.exists:
         try:
             return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
@@ -142,7 +145,8 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     paths = [path for path in portable if path is not None]
     if len(paths) == len(portable):
         others = ", and the others likewise" if len(set(paths)) > 1 else ""
-        return f"write `{paths[0]}`{others}: {'the file is there' if source.package is None else 'the package has the file'}"
+        owner = "the package has the file" if paths[0].startswith("package://") else "the file is there"
+        return f"write `{paths[0]}`{others}: {owner}"
     repair = f"move the file into the model's package and write `{_format_future_path(place.uses, source)}`"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:

@@ -25,6 +25,7 @@ from urdfcheck.source.package.references import (
     read_package_contents,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
+from urdfcheck.source.package.similar_files import list_missing_submodules
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
@@ -44,10 +45,13 @@ _MAX_MANIFESTS = 1_000
 _TEST_FOLDERS = {"test", "tests"}
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
+_ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
+# Messages about packages that are not found.
+_UNKNOWN = frozenset({"unknown", "unknown-several"})
 # What the names of packages that start a robot end with, where its model is in one that ends with the first.
 _MODEL_SUFFIX = "_description"
 _STARTER_SUFFIXES = ("_bringup", "_control", "_gazebo", "_moveit_config", "_simulation")
@@ -83,6 +87,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name, home in homes.items():
         if home is not None:
             yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
+    missing = _drop_uses_of_ros1(missing, root)
     for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
         del missing[name]  # a folder of that name is no package
     unknown = [name for name in missing if not _is_known(package, name)]
@@ -157,14 +162,15 @@ def _build_finding(
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
+    missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else []
     is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses))
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
         related=[use.location for uses in missing.values() for use in uses[:3]],
-        severity=Severity.INFO if message == "alternatives" or is_note else None,
+        severity=Severity.INFO if message in {"alternatives", "dangling"} or is_note else None,
         edits=()
-        if message in {*_MUTUAL, "alternatives", "unknown", "unknown-several", "dangling"}
+        if message in {*_MUTUAL, *_UNKNOWN, "alternatives", "dangling"}
         else _propose_edits(root, file, tags=tags),
         name=names[0],
         names=names,
@@ -177,6 +183,8 @@ def _build_finding(
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
+        checked_out="what is checked out of the repository" if missing_modules else "the repository",
+        unfound=_describe_unfound(names, tags, missing_modules),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
     return replace(
@@ -184,6 +192,18 @@ def _build_finding(
         subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()),
         consequences=_name_launcher(finding.consequences, root),
     )
+
+
+def _describe_unfound(names: Sequence[str], tags: Mapping[str, str], submodules: Sequence[str]) -> str:
+    """Say what to do about packages that are not found."""
+    lines = " ".join(f"`<{tags[name]}>{name}</{tags[name]}>`" for name in names)
+    one = len(names) == 1
+    if submodules:
+        here = f"declare {'it if it is' if one else 'those that are'} in a submodule that is not checked out"
+        return f"{here} ({join_names(submodules, 3)}) or elsewhere: {lines}; correct {'an old name' if one else 'old names'}"
+    if one:
+        return f"correct the name if it is an old one; if it is a package of yours, declare it: {lines}"
+    return f"correct the names that are old ones; declare those that are packages of yours: {lines}"
 
 
 def _name_launcher(consequences: Mapping[str, str], root: Element) -> dict[str, str]:
@@ -277,6 +297,16 @@ def _is_default(span: Span) -> bool:
     return _DEFAULT.search(before) is not None
 
 
+def _drop_uses_of_ros1(
+    missing: Mapping[str, Sequence[PackageMention]], root: Element
+) -> dict[str, list[PackageMention]]:
+    """Leave out what only launch files of ROS 1 name in a package of ROS 2: nothing starts them, and ROS 2 may not have it."""
+    if name_launch_command(root) != "ros2_launch":
+        return {name: [*uses] for name, uses in missing.items()}
+    kept = {name: [use for use in uses if not _is_in_launch_file_of_ros1(use)] for name, uses in missing.items()}
+    return {name: uses for name, uses in kept.items() if uses}
+
+
 def _build_misnamed_finding(
     package: Package, rule: Rule, root: Element, *, name: str, uses: Sequence[PackageMention], home: tuple[str, str]
 ) -> Finding:
@@ -293,8 +323,8 @@ def _build_misnamed_finding(
         repair += f"`<{runtime}>{name}</{runtime}>`"
     finding = rule.finding(
         "misnamed",
-        at=root.find_child("name") or root,
-        related=[use.location for use in uses[:3]],
+        at=uses[0].location,
+        related=[use.location for use in uses[1:3]],
         name=name,
         names=[name],
         package=package.name,
@@ -313,7 +343,7 @@ def _build_misnamed_finding(
 
 
 def _is_in_launch_file_of_ros1(use: PackageMention) -> bool:
-    """Whether an XML launch file names a package by ``$(find …)``, which ROS 2 does not have."""
+    """Whether an XML launch file is of ROS 1: it has ``$(find …)`` or a node's ``type``, which ROS 2 lacks."""
     span = use.location.span
     if span is None or span.file.endswith(".py") or not _are_in_launch_files([use]):
         return False
@@ -321,7 +351,7 @@ def _is_in_launch_file_of_ros1(use: PackageMention) -> bool:
         text = read_regular(Path(span.file)).decode("utf-8", "replace")
     except OSError:
         return False
-    return re.search(rf"\$\(find\s+{re.escape(use.package)}\s*\)", text) is not None
+    return _ROS1_LAUNCH.search(text) is not None
 
 
 def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:

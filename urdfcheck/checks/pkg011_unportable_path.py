@@ -64,14 +64,24 @@ def _classify_path_problem(use: ResourceUse, source: Source) -> _PathProblem | N
         # Behind file:// a path is absolute: what is meant is one from the model's file.
         relative = plain.removeprefix("file://")
         return _PathProblem("slashes", "", plain if relative == plain or relative.startswith("/") else relative)
+    typed = _drop_package_folder(use, source)
     if "\\" in text:
         return _PathProblem("backslash", "", normalize_spelling(text))
-    if re.search(r"\s", text):
+    if re.search(r"\s", typed):
         meant = text.strip() if len(text.split()) == 1 else find_first_file(text, source)
-        return _PathProblem("blank", _truncate_at_problem(text, r"\s"), meant)
-    if not text.isascii():
-        return _PathProblem("letters", _truncate_at_problem(text, r"[^\x00-\x7f]"), None)
+        return _PathProblem("blank", _truncate_at_problem(typed, r"\s"), meant)
+    if not typed.isascii():
+        return _PathProblem("letters", _truncate_at_problem(typed, r"[^\x00-\x7f]"), None)
     return None
+
+
+def _drop_package_folder(use: ResourceUse, source: Source) -> str:
+    """Return a path without the package's folder where ``$(find …)`` gives it: that folder is this machine's."""
+    path = use.resource.path
+    if path is None or use.resource.kind not in {"absolute", "file"} or find_machine_path(use, source) is not None:
+        return use.resource.text
+    package = source.finder.find_package_of(path)
+    return use.resource.text if package is None else path.relative_to(package.path).as_posix()
 
 
 def _truncate_at_problem(text: str, wrong: str) -> str:
@@ -84,7 +94,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
     at, *others = problem.uses
     files = list(dict.fromkeys(use.resource.text for use in problem.uses))
     lost = [use for use in problem.uses if is_misspelt(use, source)]
-    exists = any(
+    exists = bool(lost) and all(
         source.finder.resolve_resource(normalize_spelling(u.resource.text), source.path.parent).exists for u in lost
     )
     edits = [edit for use in problem.uses for edit in _propose_edits(use, source)]
@@ -100,12 +110,14 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         scheme=problem.part,
         letters="".join(sorted({c for c in problem.part if not c.isascii()})[:10]),
         plain=problem.suggestion or "",
-        repair=f"write `{problem.suggestion}`"
+        repair=f"write `{problem.suggestion}`{', and the others likewise' if len(files) > 1 else ''}"
         if problem.suggestion
         else "rename the file or folder, with `_` instead of blanks, and its paths",
         hint=f" (did you mean {problem.suggestion!r}?)" if problem.suggestion and problem.message == "scheme" else "",
+        paths=f"the path {files[0]!r} has" if len(files) == 1 else f"{len(files)} paths have",
+        listed="" if len(files) == 1 else f" ({join_names(files, 2)})",
         more=f", and {join_names(files[1:], 2)}" if len(files) > 1 else "",
-        lost="; the file exists but is not found under this name" if exists else "",
+        lost="" if not exists else "; the file is there" if len(files) == 1 else "; the files are there",
     )
 
 

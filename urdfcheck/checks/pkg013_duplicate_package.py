@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.source.package.duplicates import are_in_separate_workspaces, are_of_series, select_rivals
+from urdfcheck.source.package.duplicates import are_in_one_workspace, are_of_series, select_rivals
 from urdfcheck.source.package.finder import Package, format_path
 
 
@@ -38,7 +38,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 def _classify_copies(folders: Sequence[Path]) -> str:
     if are_of_series(folders):
         return "series"
-    return "workspaces" if are_in_separate_workspaces(folders) else "several"
+    return "several" if are_in_one_workspace(folders) else "workspaces"
 
 
 def _is_told_elsewhere(own: Path, rivals: list[Path], namesakes: list[Path]) -> bool:

@@ -64,6 +64,12 @@ def collect_plugin_texts(model: Model) -> frozenset[str]:
     )
 
 
+def reads_transmissions(model: Model) -> bool:
+    """Whether the robot loads gazebo_ros_control: nothing else in a model reads its transmissions."""
+    plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
+    return any("gazebo_ros_control" in plugin.get("filename") for plugin in plugins)
+
+
 def is_for_new_gazebo(model: Model) -> bool:
     """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
     plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]

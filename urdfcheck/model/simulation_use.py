@@ -25,8 +25,7 @@ _SIMULATOR = re.compile(
     r"|mujoco|pybullet|pydrake|isaac(?:sim|lab|gym|_)|webots|coppelia|raisim",
     re.IGNORECASE,
 )
-# How launch files, scripts and manifests name Gazebo Classic, and its successor.
-_CLASSIC = re.compile(r"\bgazebo_ros\b|\bgzserver\b")
+# How launch files, scripts and manifests name the successor of Gazebo Classic.
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
 # The option of Gazebo's spawners that puts a joint at a position.
 _START_OPTION = re.compile(r"(?<![\w-])-J\b")
@@ -94,11 +93,9 @@ def _list_moving_links(model: Model) -> list[Link]:
     return [model.link_by_name[name] for body in moving for name in body.links]
 
 
-def starts_classic(model: Model) -> bool:
-    """Whether a file of the model's package, or of a package that depends on it, names the launcher of Gazebo Classic, and none
-    names its successor."""
-    texts = _list_project_texts(model)
-    return any(map(_CLASSIC.search, texts)) and not any(map(_SUCCESSOR.search, texts))
+def names_successor(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, names the new Gazebo."""
+    return any(map(_SUCCESSOR.search, _list_project_texts(model)))
 
 
 def has_successor_branch(model: Model, element: Element) -> bool:

@@ -464,7 +464,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
             path=str(path),
             id=name_file(path),
             # Without a model, nothing of the folder is checked whatever the launch file loads.
-            is_explicit=not plan.models or plan.whole_packages.isdisjoint(path.absolute().parents),
+            is_explicit=not plan.models or path not in plan.swept_launches,
         )
         for path in plan.launches
     ]

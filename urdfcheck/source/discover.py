@@ -500,6 +500,7 @@ class _Planner:
             left_out=tuple(self.left_out),
             reach=self.reach,
             configs={str(path): config for path in checked if (config := self.get_config(path)) is not None},
+            swept_launches=frozenset(filter(self.is_in_given_folder, launches)),
             whole_packages=frozenset(filter(self.is_in_given_folder, packages)),
             config_errors=tuple(self.config_errors),
             known_packages=self.sort_known_packages(packages),

@@ -100,6 +100,8 @@ class Plan:
     """Which files may be opened, including the packages of models that launch files lead to."""
     configs: Mapping[str, Any] = field(default_factory=dict)
     """The configuration of each model, launch file and package that has one, by path."""
+    swept_launches: frozenset[Path] = frozenset()
+    """Launch files in a folder that was given: its models are checked in any case."""
     whole_packages: frozenset[Path] = frozenset()
     """Packages in a folder that was given, which are checked with all their files."""
     config_errors: tuple[str, ...] = ()

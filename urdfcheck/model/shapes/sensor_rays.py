@@ -73,11 +73,18 @@ class SelfScan:
         return float(self.distances[np.isfinite(self.distances)].max())
 
     def describe_sectors(self) -> list[str]:
-        """Name the sectors in which neighbouring rays end at the robot, in degrees."""
+        """Name the sectors in which rays end at the robot, in whole degrees: one ray between two does not part them."""
         blocked = np.isfinite(self.distances).any(axis=0)
         edges = np.flatnonzero(np.diff(np.concatenate(([False], blocked, [False])).astype(int)))
         degrees = np.degrees(self.azimuths).round().astype(int).tolist()
-        return [f"{degrees[a]}° to {degrees[b - 1]}°" for a, b in edges.reshape(-1, 2).tolist()]
+        sectors: list[tuple[int, int]] = []
+        for first, last in ((degrees[a], degrees[b - 1]) for a, b in edges.reshape(-1, 2).tolist()):
+            sectors = (
+                [*sectors[:-1], (sectors[-1][0], last)]
+                if sectors and sectors[-1][1] >= first
+                else [*sectors, (first, last)]
+            )
+        return [f"{first}° to {last}°" for first, last in sectors]
 
 
 def scan_robot(model: Model) -> Iterator[SelfScan]:

@@ -386,7 +386,7 @@ def read_description(element: Element, resolver: SubstitutionResolver) -> Descri
 
 
 def _parse_command(at: Attribute, text: str, resolver: SubstitutionResolver) -> DescriptionSource:
-    words = split_command(text)
+    words = split_command(resolver.inline_words(text))
     command = words
     for runner in (("rosrun", "xacro"), ("ros2", "run", "xacro")):
         if words[: len(runner)] == runner:

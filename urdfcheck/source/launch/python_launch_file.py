@@ -23,7 +23,7 @@ from urdfcheck.source.launch.python_texts import (
     get_package_name,
     read_declared_arguments,
 )
-from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.text.problems import Problem, locate_start
@@ -253,7 +253,7 @@ class PythonLaunchReader:
         for part in () if whole is None else _list_path_parts(whole, self.texts):
             followed = self.texts.follow_name(part)
             if self.texts.evaluate(part) is None and followed is not None and not self.texts.is_of_packages(part):
-                names[self.texts.get_argument_name(followed) or ast.unparse(part)[:MAX_SHOWN]] = None
+                names[self.texts.get_argument_name(followed) or _shorten(ast.unparse(part))] = None
         return ", ".join(names)
 
     def find_missing_includes(self) -> dict[str, ast.expr]:
@@ -420,8 +420,14 @@ def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:
     return parts
 
 
+def _shorten(expression: str) -> str:
+    return expression if len(expression) <= MAX_SHOWN else f"{expression[: MAX_SHOWN - 1]}…"
+
+
 def _is_model_path(text: object) -> bool:
     """Whether a literal is a relative path of a model, with a name and without placeholders."""
     if not isinstance(text, str) or not text.lower().endswith(MODEL_SUFFIXES) or len(text) > MAX_LENGTH:
+        return False
+    if text.lower().endswith(SRDF_SUFFIXES):
         return False
     return re.fullmatch(r"(?:\w[\w.-]*/)*\w[\w.-]*\.(?i:urdf|xacro)", text) is not None

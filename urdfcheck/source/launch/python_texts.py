@@ -81,8 +81,8 @@ class PythonTexts:
             return None if folder is None else str(folder)
         function = get_function_name(node)
         if function == "find" and isinstance(node.func, ast.Attribute):  # FindPackageShare("p").find("p")
-            share = node.func.value
-            return self.evaluate(share) if isinstance(share, ast.Call) and self.get_package(share) else None
+            share = self.follow_name(node.func.value)
+            return self.evaluate(share) if share is not None and is_package_lookup(share) else None
         if function in {"join", "joinpath", "Path", "PathSubstitution", "str"} and not node.keywords:
             before = [node.func.value] if function == "joinpath" and isinstance(node.func, ast.Attribute) else []
             return self.evaluate_all([*before, *node.args], join_paths)
@@ -138,6 +138,8 @@ class PythonTexts:
         followed = self.follow_name(node)
         if not isinstance(followed, ast.Call):
             return isinstance(followed, ast.Constant)
+        if get_function_name(followed) == "find" and isinstance(followed.func, ast.Attribute):
+            return self.is_of_packages(followed.func.value)
         is_join = get_function_name(followed) in {"join", "Path", "str"} and bool(followed.args)
         return is_package_lookup(followed) or (is_join and all(map(self.is_of_packages, followed.args)))
 

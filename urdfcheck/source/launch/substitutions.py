@@ -16,6 +16,9 @@ _SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
 _NESTED = re.compile(r"\$\([^()]*(?:\([^()]*\)[^()]*)*\)")
 _ARGUMENT = re.compile(r"^\s*\$\((?:arg|var)\s+([^\s()]+)\s*\)\s*$")
 
+# An argument that is a word of a command line by itself.
+_WORD = re.compile(r"(?<!\S)\$\((?:arg|var)\s+([^\s()]+)\s*\)(?!\S)")
+
 
 @dataclass(frozen=True, slots=True)
 class UnresolvedReason:
@@ -82,6 +85,18 @@ class SubstitutionResolver:
                 break
             attribute = self.values[match.group(1)]
         return attribute
+
+    def inline_words(self, text: str) -> str:
+        """Return a command line with those of its words that are arguments of several words as these are typed.
+
+        The shell splits the line after its arguments are substituted.
+        """
+        return _WORD.sub(self._inline_word, text)
+
+    def _inline_word(self, word: re.Match[str]) -> str:
+        name = word[1]
+        typed = self.values[name].value if name in self.values else self.known.get(name, ("", None))[0]
+        return typed if typed and len(typed.split()) > 1 and len(typed) <= MAX_LENGTH else word[0]
 
     def resolve_text(self, text: str) -> str | None:
         """Return the text with its substitutions resolved, or None; then ``obstacle`` is the reason."""

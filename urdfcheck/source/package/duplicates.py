@@ -43,14 +43,10 @@ def are_of_series(folders: Sequence[Path]) -> bool:
     return all(map(_has_series_number, parts)) and len({re.sub(r"\d+", "", "/".join(names)) for names in parts}) == 1
 
 
-def are_in_separate_workspaces(folders: Sequence[Path]) -> bool:
-    """Whether the folder ``src`` around each of some packages is another one, so that each may be built alone."""
-    workspaces = [_find_workspace(folder.absolute()) for folder in folders]
-    return None not in workspaces and len(set(workspaces)) == len(workspaces)
-
-
-def _find_workspace(folder: Path) -> Path | None:
-    return next((above.parent for above in folder.parents if above.name == "src"), None)
+def are_in_one_workspace(folders: Sequence[Path]) -> bool:
+    """Whether packages are beside each other or below one folder ``src``; others may be copies that are built alone."""
+    absolute = [folder.absolute() for folder in folders]
+    return len({folder.parent for folder in absolute}) == 1 or "src" in Path(os.path.commonpath(absolute)).parts
 
 
 def _has_series_number(parts: Sequence[str]) -> bool:

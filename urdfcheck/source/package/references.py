@@ -58,7 +58,7 @@ _XACRO_SUFFIXES = frozenset({".py", ".launch", ".xml"})
 _STARTED = re.compile(
     rf"<node\b[^<>]*?\bpkg\s*=\s*['\"]{_PACKAGE}['\"]|\bNode\([^()]*?\bpackage\s*=\s*['\"]{_PACKAGE}['\"]"
 )
-_LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py")
+_LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.py")
 # What Python may print.
 _TOLD = re.compile(r"package://|\$\(find")
 # The first path that Python joins to a package's folder, and the name that it assigns the folder to before.

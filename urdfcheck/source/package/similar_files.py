@@ -162,7 +162,7 @@ def propose_checkout(package: str, finder: PackageFinder) -> tuple[str, bool]:
 
     Nothing if all submodules are checked out.
     """
-    missing = _list_missing_submodules(finder)
+    missing = list_missing_submodules(finder)
     own = next((path for path in missing if PurePosixPath(path).name == package), None)
     if own is not None:
         return f"check out its submodule: `git submodule update --init {shlex.quote(own)}`", True
@@ -174,7 +174,7 @@ def propose_checkout(package: str, finder: PackageFinder) -> tuple[str, bool]:
     return "", False
 
 
-def _list_missing_submodules(finder: PackageFinder) -> list[str]:
+def list_missing_submodules(finder: PackageFinder) -> list[str]:
     """Return the submodules of the repository around the start whose folders are missing or empty, as .gitmodules has them."""
     for folder in finder.list_parent_folders():
         names = folder / ".gitmodules"
