@@ -37,12 +37,10 @@ def fixed(name: str, content: str, parent: str = "arm") -> str:
     [
         ({}, "display"),
         ({"launch/show.launch": "<launch><!-- gazebo_ros --></launch>"}, "display"),
-        ({"launch/sim.launch": '<launch><include file="$(find gazebo_ros)/launch/x.launch"/></launch>'}, "kinematic"),
-        ({"scripts/sim.py": "import pybullet"}, "kinematic"),
-        (
-            {"../sim/package.xml": "<package><name>sim</name><depend>arm</depend><depend>ros_gz</depend></package>"},
-            "kinematic",
-        ),
+        ({"launch/sim.launch": '<launch><include file="$(find gazebo_ros)/launch/x.launch"/></launch>'}, "display"),
+        ({"scripts/sim.py": "import pybullet\nbullet.loadURDF('arm.urdf')"}, "kinematic"),
+        ({"scripts/sim.py": "import pybullet"}, "display"),
+        ({"package.xml": "<package><name>arm</name><depend>ros_gz</depend></package>"}, "display"),
         ({"../sim/package.xml": "<package><name>sim</name><depend>ros_gz</depend></package>"}, "display"),
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='sim_arm.urdf'/></launch>"}, "display"),
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='arm.urdf'/></launch>"}, "kinematic"),
