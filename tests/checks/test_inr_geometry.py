@@ -621,6 +621,15 @@ DEFECTS = {
     "dense": Part(mass=700.0),
     "light": Part(mass=0.0002),
 }
+
+
+@pytest.mark.parametrize(("mass", "light"), [(1, False), (0.001, True)])
+def test_a_floor_that_never_moves_has_a_token_mass(tmp_path: Path, mass: float, light: bool) -> None:
+    """A box of 20 × 20 × 2 m: 1 g would be that of a plate of 20 × 20 × 2 mm, drawn in millimetres."""
+    text = robot(link("floor", inertial(mass, 1), visual(box("20 20 2"))))
+    assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["light"] * light
+
+
 EXPECTED = {"sound": [], "exceeds": ["INR005"], "outside": ["INR006"], "dense": ["INR010"], "light": ["INR010"]}
 TURN = rpy_to_matrix((0.4, -0.7, 1.1))
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
+from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.model import Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 
@@ -136,7 +136,7 @@ def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding
         robot=model.name,
         mass=mass,
         links=len(declared),
-        writer=". onshape-to-robot writes 1e-9 for parts without a material" if describe_unknown_mass(mass) else "",
+        writer=". onshape-to-robot writes 1e-9 for parts without a material" if mass == ONSHAPE_UNKNOWN else "",
         explains=[*explained, f"INR007 {model.location.subject}"],
     )
 
