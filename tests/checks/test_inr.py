@@ -171,6 +171,7 @@ def test_what_collides_on_the_base_adds_nothing(tmp_path: Path) -> None:
         (make_arm(ZERO.format(0), kind="fixed"), "helper", Severity.INFO),
         (make_arm(SOUND, base=ZERO.format(0) + BOX), "root", Severity.INFO),
         (make_arm(SOUND, base=inertial("0") + BOX), "base", Severity.WARNING),
+        (robot(link("cup", inertial("0"), BOX)), "base", Severity.INFO),
     ],
 )
 def test_what_a_mass_of_zero_or_less_means(tmp_path: Path, text: str, message: str, severity: Severity) -> None:

@@ -236,8 +236,8 @@ def _check_too_light(
 
 
 def _is_scenery(model: Model, extent: float, *, density: float) -> bool:
-    """Whether nothing moves in a model of the size of a room (``extent`` in m), whose mass is a token: a mesh in millimetres would
-    have an ordinary ``density`` (kg/m³) in its unit."""
+    """Whether nothing moves in a model as large as a room (``extent`` in m), and its ``density`` (kg/m³) is not one of a mesh in
+    millimetres."""
     is_moved = any(joint.is_movable for joint in model.joints)
     return not is_moved and extent > _ROOM and not is_part_density(density * _MILLIMETRES)
 
