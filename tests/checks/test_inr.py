@@ -485,6 +485,18 @@ def test_a_body_that_carries_a_hundred_times_its_mass_counts_with_what_is_fixed_
     assert [f.message_id for f in find(tmp_path, text, "INR011")] == messages
 
 
+@pytest.mark.parametrize(("drawn", "count"), [("", 0), (BOX, 1)])
+def test_slides_that_stand_for_a_driving_base_may_be_light(tmp_path: Path, drawn: str, count: int) -> None:
+    text = robot(
+        link("world"),
+        link("slide", inertial(1), drawn),
+        link("body", inertial(300), BOX),
+        joint("x", "world", "slide", kind="prismatic", axis="1 0 0"),
+        joint("turn", "slide", "body", kind="continuous", axis="0 0 1"),
+    )
+    assert len(find(tmp_path, text, "INR011")) == count
+
+
 def block(mass: float, size: float) -> str:
     return inertial(str(mass)) + f'<visual><geometry><box size="{size} {size} {size}"/></geometry></visual>'
 

@@ -681,6 +681,8 @@ def test_a_formula_of_another_box_is_no_mistake_of_a_cad_program(
     tensor = " ".join(f'{name}="{value}"' for name, value in {**typed, "ixy": 0, "ixz": 0, "iyz": 0}.items())
     part = f'<inertial><origin xyz="0 0 0.05"/><mass value="3"/><inertia {tensor}/></inertial>'
     drawn = visual(box("0.2 0.2 0.4"), xyz="0 0 0.05")
-    text = robot(names, link("base"), link("arm", part, drawn), joint("j", "base", "arm", kind="continuous"), xacro=True)
+    text = robot(
+        names, link("base"), link("arm", part, drawn), joint("j", "base", "arm", kind="continuous"), xacro=True
+    )
     found = find(tmp_path, text, "INR009", name="robot.urdf.xacro")
     assert {finding.cause.id for finding in found if finding.cause is not None} == causes
