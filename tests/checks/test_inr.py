@@ -639,6 +639,7 @@ def test_all_residues_of_a_robot_are_one_finding_with_one_edit_each(tmp_path: Pa
         (("99999", "1"), None),
         (("99999", "2"), "grams"),
         (("200000", "50"), ""),  # typed by hand
+        (("199999", "0.38"), ""),  # the other link is in kilograms
     ],
 )
 def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple[str, str], cause: str | None) -> None:

@@ -23,6 +23,8 @@ _OTHERS = 0.1
 # So many links with one mass of so many digits are no copies of one part, which a robot has beside others: one of 718 published
 # descriptions has such masses, each that of the assembly.
 _FEWEST_LINKS, _MANY_DIGITS = 4, 6
+# In one unit the heaviest link of a robot weighs up to so many times what the lightest does.
+_SPAN = 1e5
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -72,8 +74,9 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
 
 
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:
-    """Return the unit as the cause, or None where all masses are round: a CAD program writes no such numbers."""
-    return None if all(map(is_round, masses)) else unit
+    """Return the unit as the cause, or None where all masses are round, which a CAD program does not write, or too different to be
+    those of one robot in one unit."""
+    return None if all(map(is_round, masses)) or max(masses) > _SPAN * min(masses) else unit
 
 
 def _is_light_for_its_size(model: Model, total: float) -> bool:
