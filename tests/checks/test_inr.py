@@ -647,6 +647,11 @@ def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple
     assert [f.cause.id if f.cause else "" for f in findings] == ([] if cause is None else [cause])
 
 
+def test_frames_of_a_fragment_have_token_masses(tmp_path: Path) -> None:
+    text = robot(link("grip", inertial(1e-4, 1e-8)), link("tip", inertial(1e-4, 1e-8)), joint("j", "grip", "tip"))
+    assert not find(tmp_path, text, "INR015")
+
+
 def test_one_placeholder_in_place_of_every_mass_is_one_finding(tmp_path: Path) -> None:
     """Not a model in tonnes, whose leg would weigh milligrams, and not a tensor that is too large for this mass."""
     part = inertial("1e-9", "1e-9") + BOX

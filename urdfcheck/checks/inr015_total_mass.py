@@ -13,6 +13,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.model import Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
@@ -37,7 +38,7 @@ def check(
     if total_mass > 0 and abs(total - total_mass) > rel_tol * total_mass:
         yield _compare_with_scale(model, rule, total, total_mass)
         return
-    if not masses:
+    if not masses or (total < least and _has_frames_only(model)):
         return
     edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
     # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
@@ -61,6 +62,11 @@ def check(
         )
 
 
+def _has_frames_only(model: Model) -> bool:
+    """Whether a model draws nothing and no joint of it moves: the frames of a fragment, whose masses are tokens."""
+    return not any(map(has_drawn_shape, model.links)) and not any(joint.is_movable for joint in model.joints)
+
+
 def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
     """Whether all links have one mass, to the last of many digits, though they draw different meshes."""
     drawn = {
@@ -74,8 +80,8 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
 
 
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:
-    """Return the unit as the cause, or None where all masses are round, which a CAD program does not write, or too different to be
-    those of one robot in one unit."""
+    """Return the unit as the cause, or None where all masses are round, which a CAD program does not write, or too different to
+    be those of one robot in one unit."""
     return None if all(map(is_round, masses)) or max(masses) > _SPAN * min(masses) else unit
 
 
