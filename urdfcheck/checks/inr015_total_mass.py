@@ -38,14 +38,15 @@ def check(
     if total_mass > 0 and abs(total - total_mass) > rel_tol * total_mass:
         yield _compare_with_scale(model, rule, total, total_mass)
         return
-    if not masses or (total < least and _has_frames_only(model)):
+    if not masses:
         return
     edge, is_seen = _measure_extent(model, unseen, enough=(total / DENSEST) ** (1 / 3))
     # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
     if total > DENSEST * edge**3 and (is_seen or total > most):
         yield _build_density_finding(model, rule, total=total, edge=edge)
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
-        yield _build_placeholder_finding(model, rule, masses[0])
+        if not _has_frames_only(model):
+            yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):
         yield _build_same_finding(model, rule, total=total)
     elif (total > most and not _is_light_for_its_size(model, total)) or (total < least and _has_most_masses(model)):
