@@ -248,6 +248,19 @@ def told(finding: Finding) -> tuple[str, str | None, str]:
     return finding.message_id, finding.cause and finding.cause.id, finding.location.subject
 
 
+@pytest.mark.parametrize(
+    ("velocities", "severity"), [(("1000", "100"), Severity.INFO), (("10", "1"), Severity.WARNING)]
+)
+def test_velocities_that_no_joint_reaches_are_placeholders(
+    tmp_path: Path, velocities: tuple[str, str], severity: Severity
+) -> None:
+    unlike = ROBOT
+    for side, velocity in zip(("left", "right"), velocities, strict=True):
+        unlike = with_(unlike, f"joint[@name='{side}_arm_joint']/limit", velocity=velocity)
+    finding = one(tmp_path, unlike)
+    assert (finding.message_id, finding.severity) == ("limits_pair", severity)
+
+
 def test_a_mirrored_robot_is_fine(tmp_path: Path) -> None:
     assert not find_mirror_defects(tmp_path, ROBOT)
 

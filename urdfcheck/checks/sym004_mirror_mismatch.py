@@ -18,6 +18,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
@@ -87,6 +88,8 @@ _MASS_MATRIX = "the mass matrix differs between the two sides"
 _OFF_PLANE = "the COM of the body that holds both is shifted to one side"
 _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal sides"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
+# Joints of limbs are slower (rad/s or m/s).
+_UNREACHED = 100.0
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -557,12 +560,13 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
     is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated
+    severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
     return rule.finding(
         message,
         at=limits[0],
         related=limits[1:],
         cause=cause,
-        severity=shares.choose_severity(mismatch.max_difference, mismatch.pair, cause),
+        severity=Severity.INFO if _is_about_placeholders(mismatch) else severity,
         edits=make_attribute_edits(changes) if is_certain and not shared else [],
         consequences=_describe_limit_consequences([mismatch]),
         joint=joint.name,
@@ -572,6 +576,12 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
+
+
+def _is_about_placeholders(mismatch: MismatchedLimit) -> bool:
+    """Whether two limits differ only in round velocities that no joint reaches: then neither side says anything."""
+    velocities = [side.get_limit_value("velocity") or 0.0 for side in (mismatch.joint, mismatch.twin)]
+    return mismatch.expected.keys() == {"velocity"} and all(v >= _UNREACHED and is_round(v) for v in velocities)
 
 
 def _build_chain_finding(model: Model, rule: Rule, chain: Sequence[MismatchedLimit], *, shares: _Shares) -> Finding:
