@@ -216,7 +216,7 @@ def _check_too_light(
         return
     if body.is_movable and describe_unknown_mass(mass):
         return  # INR012
-    if points is not None and _is_scenery(model, measure_extent(points), density=mass / volume):
+    if points is not None and _is_room(model, measure_extent(points), density=mass / volume):
         return
     masses = [model.mass_by_name[name] for name in body.links if name in model.mass_by_name]
     heaviest = max(masses, key=lambda declared: declared.mass)
@@ -235,7 +235,7 @@ def _check_too_light(
     )
 
 
-def _is_scenery(model: Model, extent: float, *, density: float) -> bool:
+def _is_room(model: Model, extent: float, *, density: float) -> bool:
     """Whether nothing moves in a model as large as a room (``extent`` in m), and its ``density`` (kg/m³) is not one of a mesh in
     millimetres."""
     is_moved = any(joint.is_movable for joint in model.joints)

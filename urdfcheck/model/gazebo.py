@@ -31,7 +31,7 @@ class GazeboSensor:
         return self.element.get("type").strip()
 
 
-def is_scenery(robot: Element) -> bool:
+def is_held_still(robot: Element) -> bool:
     """Whether Gazebo holds the whole model still: a block without reference says ``<static>``."""
     blocks = (block for block in robot.find_children("gazebo") if not block.get("reference"))
     return any(e.text.strip() in {"true", "1"} for block in blocks for e in block.find_children("static"))

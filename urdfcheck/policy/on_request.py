@@ -52,7 +52,7 @@ def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -
     return [finding for finding in findings if finding.message_id not in rules[finding.code].dynamics]
 
 
-def leave_out_dynamics_of_scenery(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+def leave_out_unfelt_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Leave out the same of a model that Gazebo holds still, unless Gazebo loses a part of it."""
     return [
         finding
