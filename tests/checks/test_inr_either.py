@@ -140,7 +140,7 @@ def test_a_frame_that_draws_nothing_has_no_mesh_to_compute_from(tmp_path: Path) 
     )
     (finding,) = find(tmp_path, text, {"INR005"})
     assert finding.fix is not None
-    assert "write zeros for the six numbers" in finding.fix.title
+    assert "remove the <inertial>" in finding.fix.title
     assert "mesh" not in finding.fix.title
 
 
