@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, cylinder, find, inertial, joint, link, robot, visual
+from builders import arm_on_base, box, cylinder, find, inertial, joint, link, robot, visual
 from castings import (
     CASTING,
     MISTAKES,
@@ -152,7 +152,7 @@ def test_a_formula_says_nothing_about_the_centre_of_mass(tmp_path: Path) -> None
     assert finding.cause.id == "wrong_formula"
     assert "the COM is 10 mm off" in finding.message
     assert finding.message.partition("undone")[2].startswith(
-        " (formula of another solid: a sphere of this radius), the tensor agrees;"
+        " (formula of another solid: a sphere of this radius), the tensor agrees, and the COM stays 10 mm off;"
     )
     assert finding.fix is not None
     assert not any("0.01" in edit.expected for edit in finding.fix.edits)
@@ -664,3 +664,25 @@ def test_an_impossible_tensor_gets_the_number_of_a_link_like_it(tmp_path: Path, 
     assert finding.fix.title.startswith('write ixx="1.679" as in lower') == is_like
     assert ("lost decimal point" in finding.fix.title) != is_like
     assert not finding.fix.edits
+
+
+@pytest.mark.parametrize(("as_formula", "causes"), [(False, {"steiner_twice"}), (True, set())])
+def test_a_formula_of_another_box_is_no_mistake_of_a_cad_program(
+    tmp_path: Path, as_formula: bool, causes: set[str]
+) -> None:
+    """A box of 0.2 × 0.2 × 0.4 m around z = 0.05, with moments near those less the parallel-axis term: those of a shorter box."""
+    lengths = {"x": 0.2, "y": 0.2, "z": 0.34}
+    moments = {"ixx": ("y", "z"), "iyy": ("x", "z"), "izz": ("x", "y")}
+    typed = {
+        name: f"${{3*({a}*{a} + {b}*{b})/12}}" if as_formula else f"{3 * (lengths[a] ** 2 + lengths[b] ** 2) / 12:.6g}"
+        for name, (a, b) in moments.items()
+    }
+    names = "".join(f'<xacro:property name="{name}" value="{length}"/>' for name, length in lengths.items())
+    tensor = " ".join(f'{name}="{value}"' for name, value in {**typed, "ixy": 0, "ixz": 0, "iyz": 0}.items())
+    part = f'<inertial><origin xyz="0 0 0.05"/><mass value="3"/><inertia {tensor}/></inertial>'
+    drawn = visual(box("0.2 0.2 0.4"), xyz="0 0 0.05")
+    text = robot(
+        names, link("base"), link("arm", part, drawn), joint("j", "base", "arm", kind="continuous"), xacro=True
+    )
+    found = find(tmp_path, text, "INR009", name="robot.urdf.xacro")
+    assert {finding.cause.id for finding in found if finding.cause is not None} == causes

@@ -621,6 +621,25 @@ DEFECTS = {
     "dense": Part(mass=700.0),
     "light": Part(mass=0.0002),
 }
+
+
+def test_a_part_of_a_body_with_a_malformed_tensor_is_not_judged(tmp_path: Path) -> None:
+    body = inertial(2, 0.01).replace('ixx="0.01"', 'ixx="1.1*0.01"')
+    text = robot(
+        link("base", body, visual(box("0.3 0.3 0.1"))),
+        link("sensor", inertial(1e-5, 1e-6), visual(box("0.01 0.01 0.01"))),
+        joint("glue", "base", "sensor", xyz="0.1 0 0.1"),
+    )
+    assert not find(tmp_path, text, {"INR005", "INR007"})
+
+
+@pytest.mark.parametrize(("mass", "light"), [(1, False), (0.001, True)])
+def test_a_floor_that_never_moves_has_a_token_mass(tmp_path: Path, mass: float, light: bool) -> None:
+    """A box of 20 × 20 × 2 m: 1 g would be that of a plate of 20 × 20 × 2 mm, drawn in millimetres."""
+    text = robot(link("floor", inertial(mass, 1), visual(box("20 20 2"))))
+    assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["light"] * light
+
+
 EXPECTED = {"sound": [], "exceeds": ["INR005"], "outside": ["INR006"], "dense": ["INR010"], "light": ["INR010"]}
 TURN = rpy_to_matrix((0.4, -0.7, 1.1))
 

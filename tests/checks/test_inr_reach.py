@@ -49,7 +49,7 @@ def test_the_length_is_named_for_what_it_is(tmp_path: Path) -> None:
         1,
     )
     (found,) = [finding for finding in find(tmp_path, text, "INR018") if finding.message_id == "spread"]
-    assert "an RMS spread of mass of 2.12 m along one axis" in found.message
+    assert "an RMS spread of 2.12 m along one axis" in found.message
 
 
 @pytest.mark.parametrize(("factor", "unit"), [(1e3, "mm"), (1e2, ""), (150.0, "")])

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import cylinder, visual
 from conftest import check_text
 from hypothesis import given
 from hypothesis import strategies as st
@@ -17,14 +18,15 @@ BOX = ("m*(y*y+z*z)/12", "m*(x*x+z*z)/12", "m*(x*x+y*y)/12")
 ROD = ("m*(3*r*r+h*h)/12", "m*(3*r*r+h*h)/12", "m*r*r/2")
 
 
-def find(folder: Path, *moments: str) -> list[Finding]:
+def find(folder: Path, *moments: str, drawn: tuple[str, str] = ("", "")) -> list[Finding]:
+    """``drawn``: the visuals of the two links."""
     ixx, iyy, izz = (f"${{{moment}}}" for moment in moments)
     text = f"""<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="base"/>
 <xacro:macro name="part_inertia" params="m:=2 x:=0.3 y:=0.2 z:=0.1 r:=0.1 h:=0.4 w:=0.1 d:=0.2">
   <inertia ixx="{ixx}" ixy="0" ixz="0" iyy="{iyy}" iyz="0" izz="{izz}"/>
 </xacro:macro>
-<link name="a"><inertial><mass value="2"/><xacro:part_inertia/></inertial></link>
-<link name="b"><inertial><mass value="2"/><xacro:part_inertia/></inertial></link>
+<link name="a"><inertial><mass value="2"/><xacro:part_inertia/></inertial>{drawn[0]}</link>
+<link name="b"><inertial><mass value="2"/><xacro:part_inertia/></inertial>{drawn[1]}</link>
 <joint name="ja" type="fixed"><parent link="base"/><child link="a"/></joint>
 <joint name="jb" type="fixed"><parent link="base"/><child link="b"/></joint></robot>"""
     return list(check_text(folder, text, "robot.urdf.xacro", codes={"INR020"}).findings)
@@ -67,6 +69,28 @@ def test_where_the_others_do_not_decide_nothing_is_edited(
     assert finding.message_id == message
     assert finding.fix is not None
     assert not finding.fix.edits
+
+
+ABOUT_Y = visual(cylinder(0.1, 0.4), rpy="1.5708 0 0")
+ABOUT_Z = visual(cylinder(0.1, 0.4))
+
+
+@pytest.mark.parametrize(
+    ("moments", "name", "expected"),
+    [((ROD[2], ROD[2], ROD[0]), "ixx", "m*(3*r*r + h*h)/12"), ((ROD[0], ROD[0], ROD[0]), "iyy", "m*r*r/2")],
+)
+def test_the_axis_of_the_drawn_cylinder_decides(
+    tmp_path: Path, moments: tuple[str, ...], name: str, expected: str
+) -> None:
+    (finding,) = find(tmp_path, *moments, drawn=(ABOUT_Y, ABOUT_Y))
+    assert (finding.message_id, finding.data["name"], finding.data["expected"]) == ("one", name, expected)
+    assert "drawn about y" in finding.message
+
+
+@pytest.mark.parametrize("drawn", [(ABOUT_Y, ABOUT_Z), (ABOUT_Y, ""), (ABOUT_Z, ABOUT_Z)])
+def test_cylinders_about_different_axes_decide_nothing(tmp_path: Path, drawn: tuple[str, str]) -> None:
+    (finding,) = find(tmp_path, ROD[2], ROD[2], ROD[0], drawn=drawn)
+    assert finding.message_id == "two"
 
 
 @pytest.mark.parametrize(

@@ -201,6 +201,7 @@ def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: 
         (0.0194, '<limit effort="1" velocity="1"/>', Severity.INFO),
         (0.0194, '<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="rear_left"/>', Severity.INFO),
         (0.0394, '<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="rear_left"/>', Severity.WARNING),
+        (0.0194, '<limit lower="0" upper="0" effort="1" velocity="1"/>', Severity.INFO),
     ],
 )
 def test_a_degree_in_a_joint_that_nothing_commands_is_a_note_without_an_edit(

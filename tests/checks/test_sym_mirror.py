@@ -248,6 +248,19 @@ def told(finding: Finding) -> tuple[str, str | None, str]:
     return finding.message_id, finding.cause and finding.cause.id, finding.location.subject
 
 
+@pytest.mark.parametrize(
+    ("velocities", "severity"), [(("1000", "100"), Severity.INFO), (("10", "1"), Severity.WARNING)]
+)
+def test_velocities_that_no_joint_reaches_are_placeholders(
+    tmp_path: Path, velocities: tuple[str, str], severity: Severity
+) -> None:
+    unlike = ROBOT
+    for side, velocity in zip(("left", "right"), velocities, strict=True):
+        unlike = with_(unlike, f"joint[@name='{side}_arm_joint']/limit", velocity=velocity)
+    finding = one(tmp_path, unlike)
+    assert (finding.message_id, finding.severity) == ("limits_pair", severity)
+
+
 def test_a_mirrored_robot_is_fine(tmp_path: Path) -> None:
     assert not find_mirror_defects(tmp_path, ROBOT)
 
@@ -995,16 +1008,12 @@ def test_no_side_gets_a_tensor_that_contradicts_the_drawing(tmp_path: Path) -> N
     )
 
 
-@pytest.mark.parametrize(
-    "across", [0.002, 0.4]
-)  # however little it is: a sign that was not turned over is no second export
-def test_neither_side_is_mirrored_where_both_coms_are_elsewhere(tmp_path: Path, across: float) -> None:
+@pytest.mark.parametrize("across", [0.002, 0.4])
+def test_coms_that_are_outside_both_drawings_are_left_to_another_rule(tmp_path: Path, across: float) -> None:
     far = with_(ROBOT, f"{RIGHT}/origin", xyz=f"0.3 {across} 0.1")
     far = with_(far, f"{LEFT}/origin", xyz=f"0.3 {across} 0.1")
-    found = [f for f in find_mirror_defects(tmp_path, far) if f.message_id == "both"]
-    assert [(f.fix and f.fix.title, f.cause) for f in found] == [
-        ("export both again: neither COM is that of the part that it draws", None)
-    ]
+    text = ET.tostring(far, encoding="unicode")
+    assert {f.code for f in find(tmp_path, text, {"SYM004", "INR006"})} == {"INR006"}
 
 
 # -- offsets that take each other back --------------------------------------------------------------------------------

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
-from builders import inertial, joint, link, robot
+from builders import box, inertial, joint, limit, link, robot, visual
 from conftest import command
 
 from urdfcheck.rules import load_rules
@@ -61,3 +61,24 @@ def test_the_configuration_is_shown(tmp_path: Path) -> None:
 def test_every_rule_of_inertias_is_left_out() -> None:
     rules = load_rules()
     assert all(rule.dynamics == set(rule.messages) for code, rule in rules.items() if code.startswith("INR"))
+
+
+STATIC = "<gazebo><static>true</static></gazebo>"
+SCENERY = (
+    link("ground", inertial(1, 1, com="0 500 0"), visual(box("100 100 2"))),
+    link("wall", inertial(1, 1), visual(box("100 2 2"))),
+    joint("j", "ground", "wall", limit(0, 0, effort=0, velocity=0), kind="revolute", xyz="0 100 0"),
+)
+UNMOVED = {"INR006", "JNT005", "GEO006"}
+
+
+@pytest.mark.parametrize(("static", "codes"), [("", UNMOVED), (STATIC, set())])
+def test_what_gazebo_holds_still_needs_no_masses_and_limits(tmp_path: Path, static: str, codes: set[str]) -> None:
+    (tmp_path / "r.urdf").write_text(robot(*SCENERY, static))
+    found = json.loads(command("r.urdf", "--format", "json", cwd=tmp_path).stdout)["findings"]
+    assert {f["code"] for f in found} & (UNMOVED | {"JNT007"}) == codes
+
+
+def test_a_part_that_gazebo_drops_is_reported_in_scenery_too(tmp_path: Path) -> None:
+    (tmp_path / "r.urdf").write_text(ROBOT.replace("</robot>", STATIC + "</robot>"))
+    assert ("INR002", "inertia_without_mass") in list_found(tmp_path)

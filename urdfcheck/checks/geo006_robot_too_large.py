@@ -10,6 +10,7 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.gazebo import is_held_still
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -36,7 +37,7 @@ class _Reach:
 
 def check(model: Model, rule: Rule, *, largest: float) -> Iterator[Finding]:
     farthest = _find_farthest_link(model)
-    if farthest is None or farthest.distance <= largest:
+    if farthest is None or farthest.distance <= largest or is_held_still(model.robot):
         return
     lengths = {joint: float(np.linalg.norm(_get_offset(joint))) for joint in farthest.joints}
     longest = max(farthest.joints, key=lengths.__getitem__)

@@ -108,15 +108,17 @@ def _classify_massless_link(model: Model, link: Link) -> str:
 
 
 def _build_massless_inertia_finding(model: Model, rule: Rule, declared: DeclaredMass, *, largest: float) -> Finding:
-    """Report an inertia without mass; on the root it is a warning, because Bullet fixes a base of mass 0 to the world."""
+    """Report an inertia without mass; on the root it is a warning at most, because Bullet fixes a base of mass 0 to the world."""
     link, welded = declared.link, _is_welded(model, declared.link)
     fused = not _is_isolated(model, link)
     is_root = welded and link.name == model.tree.root
+    # Of a body alone it is Bullet's way to say that it never moves.
+    lowered = Severity.WARNING if any(joint.is_movable for joint in model.joints) else Severity.INFO
     consequences = FUSED if fused else BASE if welded else ALONE
     return rule.finding(
         "base" if is_root else "inertia_without_mass",
         at=declared.attribute,
-        severity=Severity.WARNING if is_root else None,
+        severity=lowered if is_root else None,
         consequences={**consequences, "mujoco": BASE["mujoco"]} if welded else consequences,
         link=link.name,
         largest=largest,

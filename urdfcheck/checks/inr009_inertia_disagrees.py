@@ -11,7 +11,7 @@ from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, measure_tensor_rounding
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.median import compute_median
@@ -43,6 +43,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_tiny,
     is_too_dense,
     is_vast,
+    measure_difference,
     measure_mismatch,
 )
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
@@ -53,6 +54,7 @@ from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shared_mistakes import (
+    LUMPED,
     find_disputed_units,
     find_rotated_tensors,
     find_tensor_density,
@@ -62,6 +64,7 @@ from urdfcheck.model.inertials.shared_mistakes import (
     list_unmoved_links,
     shows_habit_alone,
 )
+from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
@@ -80,6 +83,10 @@ from urdfcheck.source.text.xml import Attribute
 AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 # Causes with messages of their own, which do not rest on how well the rest agrees.
 _TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
+# Mistakes about the tensor that are made where mass properties are read from a CAD program.
+_CAD_MISTAKES = frozenset({"about_origin", "positive_notation", "products_sign", "steiner_missing", "steiner_twice"})
+# Of these, those that the program, or who reads it, makes in all links alike.
+_CONVENTIONS = frozenset({"about_origin", "positive_notation", "products_sign"})
 _DECIMAL_POINTS = frozenset({"decimal_point", "decimal_point_of_all"})
 # A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
 _MOVED = 1e-3
@@ -93,9 +100,12 @@ MIRROR_CAUSES = frozenset({"unmirrored"})
 _OTHER_UNIT = 100.0
 # A COM is outside its body beyond this share of the body's size, as for INR006.
 _OUTSIDE = 0.1
+# Numbers that a program computed have more significant digits than those that a person makes up.
+_COMPUTED_DIGITS = 3
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
+_MISFITS = ("other link does not fit its drawing", "other links do not fit their drawings")
 _POSSIBLE_TERM = (
     ". It may be the sum of the tensors of several bodies without the parallel-axis term: the COM is right, and the mesh has"
     " several bodies"
@@ -134,6 +144,7 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             continue
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)
+        is_refuted |= _is_coincidence(model, tensor, judged)
         if diagnosis.cause is not None and not is_refuted:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             is_of_pair = by_twin + unmirrored + (name in contradicted_links) >= 2
@@ -224,6 +235,23 @@ def _is_unproven(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
     if diagnosis.judged_by != "mesh" or diagnosis.cause in _TOLD_BY_ITSELF or propose_undo(model, link) is not None:
         return False
     return measure_mismatch(diagnosis, is_mended=True) > LARGEST_SOUND_MISMATCH
+
+
+def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether a mistake of CAD programs leaves a tensor that is far from the drawn part's, or fits one that is computed in the
+    file from the lengths of a box or a cylinder: then these lengths are others than the drawn ones."""
+    diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, tensor.link)
+    if (
+        diagnosis.cause not in _CAD_MISTAKES
+        or diagnosis.judged_by != "mesh"
+        or diagnosis.mended is None
+        or drawn is None
+    ):
+        return False
+    if measure_difference(diagnosis.mended, drawn) > LUMPED:
+        return True
+    moments = [tensor.element.attributes[name] for name in MOMENTS]
+    return diagnosis.mended_tensor_mismatch > EXACT and all(map(is_computed_from_lengths, moments))
 
 
 def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial, *, far: float) -> bool:
@@ -327,6 +355,9 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     is_certain = len(complete) == len(links) and all(is_proven(model, link) for link in links)
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if is_certain else {}
     unseen = _count_unseen_links(model, links)
+    others = 0 if unseen or cause not in _CONVENTIONS else _count_other_misfits(model, links)
+    if others > len(links):
+        edits = {}  # most links would keep the mistake
     return build_group_finding(
         rule,
         "habit",
@@ -345,8 +376,12 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
         better=describe_median_agreement(model, links),
         edit="" if repairs[0] is None else repairs[0].words,
-        unseen=f". {format_count(unseen, *_UNSEEN)} not show it" if unseen else "",
-        each="" if unseen else f", or each of the {len(links)} links",
+        unseen=f". {format_count(unseen, *_UNSEEN)} not show it"
+        if unseen
+        else f". {format_count(others, *_MISFITS)} either, and may have it too"
+        if others
+        else "",
+        each="" if unseen or others else f", or each of the {len(links)} links",
     )
 
 
@@ -354,6 +389,12 @@ def _count_unseen_links(model: Model, links: Sequence[Link]) -> int:
     """Count the links beside some with a mistake of which a collision shape stands for an open mesh: they may have it, too."""
     names = inertial_diagnoses(model).keys() - {link.name for link in links}
     return sum(explain_collision_stand_in(model, model.link_by_name[name]) == "open" for name in names)
+
+
+def _count_other_misfits(model: Model, links: Sequence[Link]) -> int:
+    """Count the links beside some with a mistake whose inertials do not fit what they draw either."""
+    names = {link.name for link in links}
+    return sum(name not in names and not judged.diagnosis.sound for name, judged in inertial_diagnoses(model).items())
 
 
 def _compute_median_mismatch(judged: Sequence[DiagnosedInertial], *, is_mended: bool) -> float:
@@ -460,6 +501,8 @@ def _may_lack_term(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
         return False
     uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
     if not np.trace(judged.declared.inertia) < _FAR_SMALLER * np.trace(uniform):
+        return False
+    if measure_tensor_rounding(model.tensor_by_name[link.name].texts).typed_digits < _COMPUTED_DIGITS:
         return False
     meshes = [facts for shape in link.visuals if (facts := model.meshes.get_facts(shape)) is not None]
     return sum(len(facts.components) for facts in meshes) > 1

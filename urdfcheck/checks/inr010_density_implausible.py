@@ -35,6 +35,10 @@ _LIKE_TENSOR = 2.0
 _TOKEN = 2.0
 # A mass that is a thousand times too large is in grams rather than a slip.
 _GRAMS = 3
+# What is larger (m) and never moves is a floor or a wall.
+_ROOM = 2.0
+# The volume in cubic metres to that of a mesh in millimetres that is loaded without a scale.
+_MILLIMETRES = 1e9
 # A mass of so few significant digits was chosen, not computed.
 _TYPED_DIGITS = 2
 
@@ -210,6 +214,10 @@ def _check_too_light(
     area = 0.0 if points is None else _PaddedHull.from_points(points, 0.0).area
     if not mass < thinnest * area < math.inf:
         return
+    if body.is_movable and describe_unknown_mass(mass):
+        return  # INR012
+    if points is not None and _is_room(model, measure_extent(points), density=mass / volume):
+        return
     masses = [model.mass_by_name[name] for name in body.links if name in model.mass_by_name]
     heaviest = max(masses, key=lambda declared: declared.mass)
     slip = _guess_mass_unit(mass, volume)
@@ -225,6 +233,13 @@ def _check_too_light(
         repair=_describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit", is_light=True),
         **slip,
     )
+
+
+def _is_room(model: Model, extent: float, *, density: float) -> bool:
+    """Whether nothing moves in a model as large as a room (``extent`` in m), and its ``density`` (kg/m³) is not one of a mesh in
+    millimetres."""
+    is_moved = any(joint.is_movable for joint in model.joints)
+    return not is_moved and extent > _ROOM and not is_part_density(density * _MILLIMETRES)
 
 
 def _guess_mass_unit(mass: float, volume: float) -> dict[str, Any]:

@@ -11,11 +11,13 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 
 # A shaft of some grams on a vehicle of a tonne is a part (kg); a milligram is a placeholder, or another unit.
 LEAST_PART = 5e-3
 # At most this (kg), a moving body counts as massless (`mass` of INR012, which reports it).
 _NO_MASS = 1e-6
+_SLIDES = frozenset({"prismatic", "planar", "floating"})
 # A body has the name of a link that makes most of its mass.
 _MOST = 0.5
 # From here on (kg) a mass is printed without decimals.
@@ -50,7 +52,13 @@ def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[F
         and not (pair.joint.parent in root and _is_on_stand(model, pair, most))
     ]
     # The root may be bolted to the world; its mass then does not matter.
-    heavier = [pair for pair in pairs if pair.ratio > heavy * (1 + 1e-9) and pair.joint.parent not in root]
+    heavier = [
+        pair
+        for pair in pairs
+        if pair.ratio > heavy * (1 + 1e-9)
+        and pair.joint.parent not in root
+        and not _is_of_virtual_base(model, pair.joint.parent)
+    ]
     # A body that is too light for what it carries is reported once.
     reported = {name for pair in heavier for name in model.tree.list_body_links(pair.joint.parent)}
     lighter = [pair for pair in lighter if pair.joint.child not in reported]
@@ -82,6 +90,15 @@ def _is_small_part(model: Model, pair: _JointMasses) -> bool:
     """Whether the child may well weigh so little, and neither density says otherwise."""
     bodies = [model.tree.list_body_links(name) for name in (pair.joint.child, pair.joint.parent)]
     return pair.child_mass >= LEAST_PART and not any(_has_implausible_density(model, body) for body in bodies)
+
+
+def _is_of_virtual_base(model: Model, link: str) -> bool:
+    """Whether slides of which nothing is drawn lead from the root to the body of a link: they stand for a base that drives or
+    flies, as programs in joint coordinates have it."""
+    path = model.tree.find_path_to(link)
+    bodies = [model.tree.list_body_links(name) for name in (model.tree.root, link, *(joint.child for joint in path))]
+    is_drawn = any(has_drawn_shape(model.link_by_name[name]) for body in bodies for name in body)
+    return not is_drawn and any(joint.type in _SLIDES for joint in path)
 
 
 def _is_on_stand(model: Model, pair: _JointMasses, least: float) -> bool:

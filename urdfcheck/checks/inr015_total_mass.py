@@ -10,9 +10,10 @@ import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
+from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.model import Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
+from urdfcheck.model.shapes.bounds import has_drawn_shape
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
@@ -23,6 +24,8 @@ _OTHERS = 0.1
 # So many links with one mass of so many digits are no copies of one part, which a robot has beside others: one of 718 published
 # descriptions has such masses, each that of the assembly.
 _FEWEST_LINKS, _MANY_DIGITS = 4, 6
+# In one unit the heaviest link of a robot weighs up to so many times what the lightest does.
+_SPAN = 1e5
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -42,7 +45,8 @@ def check(
     if total > DENSEST * edge**3 and (is_seen or total > most):
         yield _build_density_finding(model, rule, total=total, edge=edge)
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
-        yield _build_placeholder_finding(model, rule, masses[0])
+        if not _has_frames_only(model):
+            yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):
         yield _build_same_finding(model, rule, total=total)
     elif (total > most and not _is_light_for_its_size(model, total)) or (total < least and _has_most_masses(model)):
@@ -59,6 +63,11 @@ def check(
         )
 
 
+def _has_frames_only(model: Model) -> bool:
+    """Whether a model draws nothing and no joint of it moves: the frames of a fragment, whose masses are tokens."""
+    return not any(map(has_drawn_shape, model.links)) and not any(joint.is_movable for joint in model.joints)
+
+
 def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
     """Whether all links have one mass, to the last of many digits, though they draw different meshes."""
     drawn = {
@@ -72,8 +81,9 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
 
 
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:
-    """Return the unit as the cause, or None where all masses are round: a CAD program writes no such numbers."""
-    return None if all(map(is_round, masses)) else unit
+    """Return the unit as the cause, or None where all masses are round, which a CAD program does not write, or too different to
+    be those of one robot in one unit."""
+    return None if all(map(is_round, masses)) or max(masses) > _SPAN * min(masses) else unit
 
 
 def _is_light_for_its_size(model: Model, total: float) -> bool:
@@ -136,7 +146,7 @@ def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding
         robot=model.name,
         mass=mass,
         links=len(declared),
-        writer=". onshape-to-robot writes 1e-9 for parts without a material" if describe_unknown_mass(mass) else "",
+        writer=". onshape-to-robot writes 1e-9 for parts without a material" if mass == ONSHAPE_UNKNOWN else "",
         explains=[*explained, f"INR007 {model.location.subject}"],
     )
 

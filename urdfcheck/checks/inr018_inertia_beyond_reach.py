@@ -162,6 +162,7 @@ def _build_finding(
         farthest="" if len(links) == 1 else f" ({farthest.link.name})",
         length=format_length(farthest.distance),
         distance=farthest.distance,
+        span=format_length(2.0 * farthest.distance),  # no shorter body has such a spread
         reach=format_length(reach),
         times=float(f"{farthest.distance / reach:.2g}"),
         own=format_length(farthest.own) if farthest.own > 0 else "0 mm",

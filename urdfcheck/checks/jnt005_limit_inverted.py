@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.gazebo import collect_plugin_texts
+from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.repairs.edits import swap_values
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
 
@@ -25,6 +25,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         typed = [limit.attributes[name] for name in ("lower", "upper") if name in limit.attributes]
         if not typed or lower < upper:
             continue  # JNT004 reports a limit with neither
+        if lower == upper and is_held_still(model.robot):
+            continue  # no joint of it moves
         if lower == upper:
             equal.setdefault((lower, _is_empty(joint)), []).append(joint)
         else:

@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names, split_name_words
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.gazebo import collect_plugin_texts
+from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.simulation_use import is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing
@@ -39,7 +39,7 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
                 names=" and ".join(missing),
                 wanted=" and ".join(_WANTED[name] for name in missing),
             )
-    driven = [joint for joint in model.joints if joint.is_driven]
+    driven = [] if is_held_still(model.robot) else [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
     moving = _drop_idle_joints(model, driven)
     absurd: dict[str, list[Joint]] = {}

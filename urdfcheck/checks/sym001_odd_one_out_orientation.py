@@ -368,8 +368,7 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
 def _is_slight(joint: Joint, angle: float) -> bool:
     """Whether a zero is about a degree (rad) beside its place on a joint that nothing commands: it follows another one, or has no
     range, like a bearing of a linkage."""
-    has_range = joint.limit is not None and bool({"lower", "upper"} & joint.limit.attributes.keys())
-    return abs(angle) < _SLIGHT and (joint.mimic is not None or not has_range)
+    return abs(angle) < _SLIGHT and (joint.mimic is not None or joint.position_range is None)
 
 
 def _is_idler(model: Model, joint: Joint) -> bool:

@@ -17,6 +17,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
+from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import turn_inertial
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
@@ -28,6 +29,8 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 # The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
 # wrong one of two inertials is three times as far from it.
 MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
+# The tensor of a part whose inertial is farther than this from that of the uniform part is no model for its copy.
+MAX_PLAUSIBLE_MISS = 1.0
 # Beyond this no motor or screw explains how far an inertial is from its drawing: a COM beside the part, moments of half the size.
 MIN_CERTAIN_MISS = 0.5
 # A COM so far from the drawn part's, as a share of its size, is not that of the part alone.
@@ -106,6 +109,10 @@ def _build_pair_finding(
     are_off = len(misses) == len(pair) and min(misses) > least and not is_slipped
     is_com_off = not is_slipped and all(_has_com_apart(model, comparison) for comparison in pair)
     drawn = measure_link_geometry(model, one.link)
+    there_text = build_inertial_repair(there, other.expected).text
+    here_text = build_inertial_repair(here, one.expected).text
+    # A tensor that was made up is no model for the twin, whatever the right mass is.
+    are_models = all(_has_plausible_tensor(model, comparison) for comparison in pair)
     return rule.finding(
         "neither" if are_off else "neither_com" if is_com_off else "pair",
         at=locate_difference(here, one.deviation, note),
@@ -113,11 +120,19 @@ def _build_pair_finding(
         severity=Severity.WARNING if is_slipped or _has_slipped_moment(one.actual, other.actual) else Severity.INFO,
         confidence=Confidence.HEURISTIC,
         sibling=other.link.name,
-        there=build_inertial_repair(there, other.expected).text,
-        here=build_inertial_repair(here, one.expected).text,
+        repair=f"if {one.link.name} is right, write {there_text} in {other.link.name}; "
+        f"if {other.link.name} is right, write {here_text} in {one.link.name}"
+        if are_models
+        else "weigh the part, give both links its mass, and compute COM and tensor of both from its shape",
         drawn="" if drawn is None else format_millimetres(drawn.solid.com),
         **_collect_data(one, note),
     )
+
+
+def _has_plausible_tensor(model: Model, comparison: CopyComparison) -> bool:
+    """Whether the tensor of a copy was computed, for a part about as large as the drawn one."""
+    miss = _measure_uniform_deviation(model, comparison.link, comparison.actual)
+    return describe_typed_tensor(comparison.link) is None and (miss is None or miss <= MAX_PLAUSIBLE_MISS)
 
 
 def _build_drawing_finding(

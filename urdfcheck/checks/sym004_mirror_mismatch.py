@@ -14,9 +14,11 @@ from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import FAR
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.inertials.twin_slips import TwinSlip
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
@@ -25,6 +27,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.mirrored_inertials import (
@@ -76,6 +79,8 @@ _OWN_COM = 0.02
 _OUTSIDE = 0.1
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
+# Of numbers that are the other side's but for signs one is the image of the other, whatever else is wrong with both.
+_SIGN_CAUSES = frozenset({"signs", "products_sign"})
 _EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
 _EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
 # What is so where the masses and the COMs are the same, and where no joint moves one side without the other.
@@ -83,6 +88,8 @@ _MASS_MATRIX = "the mass matrix differs between the two sides"
 _OFF_PLANE = "the COM of the body that holds both is shifted to one side"
 _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal sides"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
+# Joints of limbs are slower (rad/s or m/s).
+_UNREACHED = 100.0
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -197,11 +204,18 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     }
     shared = _has_shared_inertial(side)
     if wrong is None:
+        if deviation.worst == deviation.com_offset and all(_has_com_outside(model, one.link) for one in both):
+            return None  # INR006 reports both
         repair = _EXPORT_BOTH
-        if deviation.com_offset <= note or not all(_has_com_elsewhere(model, one.link) for one in both):
+        are_related = why.cause in _SIGN_CAUSES or deviation.com_offset <= note
+        if are_related or not all(_has_com_elsewhere(model, one.link) for one in both):
             other_way = "the other way round" if shared else _describe_remedy(both[0], note)
             repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
-        if repair is not _EXPORT_BOTH and all(_has_other_inertial(model, one.link) for one in both):
+        if (
+            why.cause not in _SIGN_CAUSES
+            and repair is not _EXPORT_BOTH
+            and all(_has_other_inertial(model, one.link) for one in both)
+        ):
             repair = _EXPORT_BOTH_INERTIALS
         if len(barred) == len(both):
             repair = f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
@@ -251,7 +265,20 @@ def _judge_sides(
     typed = find_typed_side(both[0].link, both[1].link) if both[1].deviation.spread > note else None
     if typed is not None:
         return typed, (both[both[1].link is typed], ())
-    return None, find_wrong_side(model, pair, both, threshold=note)
+    return None, find_wrong_side(model, pair, both, threshold=note) or _find_side_outside(model, both, note=note)
+
+
+def _find_side_outside(
+    model: Model, both: Sequence[PairSide], *, note: float
+) -> tuple[PairSide, tuple[str, ...]] | None:
+    """Find the side whose COM is outside what it draws, where its twin's mirrored COM is inside, and the masses agree."""
+    deviation = both[1].deviation
+    if deviation.com_offset <= note or deviation.mass > note:
+        return None
+    outside = [side for side in both if _is_outside(model, side.link, side.actual)]
+    return (
+        (outside[0], ()) if len(outside) == 1 and not _is_outside(model, outside[0].link, outside[0].expected) else None
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -346,10 +373,16 @@ def _has_lost_number(both: Sequence[PairSide]) -> bool:
 
 def _has_com_outside(model: Model, link: Link) -> bool:
     """Whether the COM is outside the hull of what the link draws: then the numbers are no model for its twin."""
-    numbers, drawn = get_comparable_inertial(link), measure_link_geometry(model, link)
-    if numbers is None or drawn is None:
-        return False
-    return measure_hull_distance(drawn.points, numbers.com) > _OUTSIDE * measure_extent(drawn.points)
+    numbers = get_comparable_inertial(link)
+    return numbers is not None and _is_outside(model, link, numbers)
+
+
+def _is_outside(model: Model, link: Link, numbers: DeclaredInertial) -> bool:
+    """Whether a COM is outside the hull of what a link draws, as far as INR006 allows."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and (
+        measure_hull_distance(drawn.points, numbers.com) > _OUTSIDE * measure_extent(drawn.points)
+    )
 
 
 def _has_com_elsewhere(model: Model, link: Link) -> bool:
@@ -370,6 +403,8 @@ def _measure_own_mismatch(model: Model, link: Link) -> tuple[float, float]:
     diagnosed, drawn = inertial_diagnoses(model).get(link.name), measure_link_geometry(model, link)
     if diagnosed is None or drawn is None:
         return 0.0, 0.0
+    if find_tensor_unit(model) is not None:
+        return 0.0, measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)[1]
     tensor, com = measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)
     uniform = compute_solid_inertia(drawn.solid, diagnosed.declared.mass)
     is_less = not drawn.closed and np.trace(diagnosed.declared.tensor) < np.trace(uniform)
@@ -525,12 +560,13 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
     is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated
+    severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
     return rule.finding(
         message,
         at=limits[0],
         related=limits[1:],
         cause=cause,
-        severity=shares.choose_severity(mismatch.max_difference, mismatch.pair, cause),
+        severity=Severity.INFO if _is_about_placeholders(mismatch) else severity,
         edits=make_attribute_edits(changes) if is_certain and not shared else [],
         consequences=_describe_limit_consequences([mismatch]),
         joint=joint.name,
@@ -540,6 +576,12 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
+
+
+def _is_about_placeholders(mismatch: MismatchedLimit) -> bool:
+    """Whether two limits differ only in round velocities that no joint reaches: then neither side says anything."""
+    velocities = [side.get_limit_value("velocity") or 0.0 for side in (mismatch.joint, mismatch.twin)]
+    return mismatch.expected.keys() == {"velocity"} and all(v >= _UNREACHED and is_round(v) for v in velocities)
 
 
 def _build_chain_finding(model: Model, rule: Rule, chain: Sequence[MismatchedLimit], *, shares: _Shares) -> Finding:

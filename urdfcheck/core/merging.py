@@ -204,7 +204,7 @@ def _get_place_key(finding: Finding) -> tuple[Any, ...]:
 
 def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> str:
     first = ordered[0]
-    names = [[match[1] for s in own.subjects if (match := _NAMED.match(s)) is not None] for own in ordered]
+    names = [_list_names(own) for own in ordered]
     rule = rules.get(first.code)
     rest = format_more(len(ordered) - 1)
     room = LONGEST_HEADLINE - len(rest)
@@ -253,14 +253,30 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
     if _has_overlap(edits):
         return fixes[0]
     title = fixes[0].title
-    firsts: dict[str, str] = {}
-    for fix in fixes:  # `move it …` is not `delete it …`
-        firsts.setdefault(fix.title.partition(" ")[0], fix.title)
-    if len(firsts) > 1:
-        title = "; elsewhere ".join(firsts.values())
+    kinds: dict[str, list[Finding]] = {}
+    for own in ordered:  # `move it …` is not `delete it …`
+        if own.fix is not None:
+            kinds.setdefault(own.fix.title.partition(" ")[0], []).append(own)
+    if len(kinds) > 1:
+        title += "".join(_tell_other(kind, ordered[0]) for kind in list(kinds.values())[1:])
+        is_all_told = all(len({own.fix.title for own in kind if own.fix}) == 1 for kind in kinds.values())
+        title += "" if is_all_told else _EACH_OTHER
     elif len({fix.title for fix in fixes}) > 1:
         title = _refer_to_others(title, ordered)
     return Fix(title, max((fix.applicability for fix in fixes), key=list(Applicability).index), edits)
+
+
+def _tell_other(kind: Sequence[Finding], first: Finding) -> str:
+    """Return what repairs places of another kind than the ``first``, with the names of those that it is for."""
+    told, title = ("" if own.fix is None else own.fix.title for own in (kind[0], first))
+    alike = [own for own in kind if own.fix is not None and own.fix.title == told]
+    names = dict.fromkeys(name for own in alike for name in _list_names(own))
+    place = "elsewhere " if not names or names.keys() & set(_list_names(first)) else f"{join_names(names)}: "
+    return f"; {place}{told.removesuffix(f', or {title}')}"  # both may end in the same advice
+
+
+def _list_names(finding: Finding) -> list[str]:
+    return [match[1] for s in finding.subjects if (match := _NAMED.match(s)) is not None]
 
 
 def _refer_to_others(title: str, ordered: Sequence[Finding]) -> str:
@@ -270,7 +286,7 @@ def _refer_to_others(title: str, ordered: Sequence[Finding]) -> str:
     if len(ordered) > 2 or alone != title:
         return alone + _EACH_OTHER
     other = ordered[1]
-    name = match[1] if (match := _NAMED.match(other.subjects[0])) is not None else ""
+    name = "".join(_list_names(other)[:1])
     if name and len(other.subjects) == 1 and other.fix is not None and len(other.fix.title) <= _SHORT_REPAIR:
         return f"{title}; {name}: {other.fix.title}"
     return title + _THE_OTHER

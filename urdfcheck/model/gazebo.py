@@ -31,6 +31,12 @@ class GazeboSensor:
         return self.element.get("type").strip()
 
 
+def is_held_still(robot: Element) -> bool:
+    """Whether Gazebo holds the whole model still: a block without reference says ``<static>``."""
+    blocks = (block for block in robot.find_children("gazebo") if not block.get("reference"))
+    return any(e.text.strip() in {"true", "1"} for block in blocks for e in block.find_children("static"))
+
+
 def list_sensors(model: Model) -> list[GazeboSensor]:
     """Return the sensors of all blocks that name a link or joint."""
     blocks = [block for block in model.robot.find_children("gazebo") if block.get("reference")]

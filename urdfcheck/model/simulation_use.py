@@ -45,11 +45,23 @@ def is_simulated_hardware(control: Element) -> bool:
 def is_simulated(model: Model) -> bool:
     """Whether the robot has elements for a simulator, or a file of the model's package, or of a package that depends on it,
     names one, and is not about other models only."""
-    if any(model.robot.find_child(tag) is not None for tag in _ELEMENTS):
-        return True
-    if any(map(is_simulated_hardware, model.robot.find_children("ros2_control"))):
+    if _has_elements(model):
         return True
     return any(map(_SIMULATOR.search, _list_project_texts(model))) and not is_left_aside(model)
+
+
+@fact
+def is_started_in_simulator(model: Model) -> bool:
+    """Whether the robot has elements for a simulator, or one of these files names a simulator and the robot's own file."""
+    name, texts = model.source.path.name, _list_project_texts(model)
+    return _has_elements(model) or any(_SIMULATOR.search(t) and name in _MODEL_FILE.findall(t) for t in texts)
+
+
+def _has_elements(model: Model) -> bool:
+    """Whether the robot has elements for a simulator."""
+    return any(model.robot.find_child(tag) is not None for tag in _ELEMENTS) or any(
+        map(is_simulated_hardware, model.robot.find_children("ros2_control"))
+    )
 
 
 def is_left_aside(model: Model) -> bool:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 
-from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.policy.consumers import is_news
+from urdfcheck.core import Finding, Rule, Severity, Verdict
+from urdfcheck.policy.consumers import get_verdict, is_news
 
 
 def split_unrequested(
@@ -50,6 +50,16 @@ def find_postponed(rules: Mapping[str, Rule], *, unrequested: Iterable[str], tar
 def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Leave out what the pages list under ``dynamics``: the models are for display and motion planning alone."""
     return [finding for finding in findings if finding.message_id not in rules[finding.code].dynamics]
+
+
+def leave_out_unfelt_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
+    """Leave out the same of a model that Gazebo holds still, unless Gazebo loses a part of it."""
+    return [
+        finding
+        for finding in findings
+        if finding.message_id not in rules[finding.code].dynamics
+        or get_verdict(finding.consequences, "gazebo") >= Verdict.DROPS
+    ]
 
 
 def _matters_to(target: str, finding: Finding, rule: Rule) -> bool:

@@ -24,7 +24,7 @@ _POINT = 1e-6
 # A round mass (kg) up to this is a placeholder too.
 _NO_MASS = 1e-6
 # What onshape-to-robot writes for a part without a material (kg).
-_UNKNOWN_MASS = 1e-9
+ONSHAPE_UNKNOWN = 1e-9
 
 
 def describe_placeholder(mass: float, components: Sequence[float]) -> str | None:
@@ -54,19 +54,25 @@ def is_round(value: float) -> bool:
 
 
 def describe_unknown_mass(mass: float) -> str:
-    """Say what to do about the ``mass`` (kg) that a program writes where it knows none; empty for any other mass."""
-    if mass != _UNKNOWN_MASS:
+    """Say what to do about the ``mass`` (kg) that a program or a person writes where it is unknown; empty for any other mass."""
+    if not _stands_for_none(mass):
         return ""
-    return "write the mass of the part (1e-9 stands for none: onshape-to-robot writes it for parts without a material)"
+    shown = f"{mass:g}".replace("e-0", "e-")
+    writer = ": onshape-to-robot writes it for parts without a material" if mass == ONSHAPE_UNKNOWN else ""
+    return f"write the mass of the part ({shown} stands for none{writer})"
 
 
 def is_unknown_mass(mass: float, tensor: Array, solid: Solid) -> bool:
     """Whether a ``mass`` (kg) is a placeholder that does not show what the ``tensor`` (3, 3) in kg m² should be, which is one
     that the drawn ``solid`` can have at its real mass."""
-    if not 0.0 < mass <= _NO_MASS or not is_round(mass):
+    if not _stands_for_none(mass):
         return False
     heaviest = compute_solid_inertia(solid, DENSEST_PART * solid.volume)
     return bool(np.trace(tensor) <= np.trace(heaviest))
+
+
+def _stands_for_none(mass: float) -> bool:
+    return 0.0 < mass <= _NO_MASS and is_round(mass)
 
 
 def _extract_significand(value: float) -> float:

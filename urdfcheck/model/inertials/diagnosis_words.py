@@ -54,6 +54,8 @@ _MUCH_LESS = 0.25
 _NO_SHAPE = 100.0
 # A tensor so many times farther off than its principal moments is about other axes.
 _ROTATED = 1.5
+# A tensor that stays farther off than this share of its distance shows the mistake by its signs or axes, not by that number.
+_BETTER = 0.8
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(
     {
@@ -131,7 +133,7 @@ def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
         return "they agree better with the drawn parts"
     (before, after), (far, near) = compute_medians(shares), compute_medians(distances)
     claims = []
-    if after < before:
+    if after < _BETTER * before:
         claims.append(
             f"the median tensor is {_format_share(after)} off the drawn part's instead of {_format_share(before)}"
         )
@@ -276,10 +278,16 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
     if is_own and diagnosis.mended_tensor_mismatch < diagnosis.tensor_mismatch - DIGITS and after < before:
         falls = f"the tensor is {_format_share(after)} off instead of {_format_share(before)}"
         left.append("the tensor agrees" if diagnosis.mended_tensor_mismatch < DIGITS else falls)
+    apart = format_length(float(np.linalg.norm(judged.declared.com - drawn.solid.com)))
     if not is_own and diagnosis.com_mismatch > NOTABLE:
-        apart = format_length(float(np.linalg.norm(judged.declared.com - drawn.solid.com)))
         return f"the tensor agrees, and the COM stays {apart} off"
-    return " and ".join(left) or "the two agree better"
+    # What the mistake does not explain is another one, or a motor.
+    size = compare_sizes(*_pair_moments(mended, drawn), "{moments} still {factor} times too {size}", digits=3)
+    if left and diagnosis.mended_com_mismatch == diagnosis.com_mismatch > NOTABLE and shows_com(NOTABLE, drawn):
+        left.append(f"the COM stays {apart} off")
+    elif left and diagnosis.mended_tensor_mismatch == diagnosis.tensor_mismatch and size:
+        left.append(size)
+    return ", and ".join(left) or "the two agree better"
 
 
 def format_ruled_out(judged: DiagnosedInertial) -> str:

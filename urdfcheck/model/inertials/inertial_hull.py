@@ -139,21 +139,23 @@ def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple
     """Compute the share that each link has of its body's mass and of the body's largest principal moment.
 
     Of the ``links`` of one body, those with a positive mass and a tensor. A share above 1 is possible where others are
-    negative; it is 1 where the values of the body are not known.
+    negative; it is 1 where the values of the body are not known. Where a tensor is malformed, the shares of
+    the moment are 0: nothing shows how much the others matter.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    known = {}
+    known, is_whole = {}, True
     for name in links:
         inertial = model.link_by_name[name].inertial
-        if (
-            inertial is not None
-            and inertial.mass is not None
-            and inertial.mass > 0
-            and inertial.tensor_in_link is not None
-        ):
+        if inertial is None or inertial.mass is None or not inertial.mass > 0:
+            continue
+        if inertial.tensor_in_link is None:
+            is_whole = False
+        else:
             known[name] = inertial.mass, float(np.abs(np.linalg.eigvalsh(inertial.tensor_in_link)).max())
     mass, tensor = compute_body_mass(model, links), compute_body_tensor(model, links)
+    if not is_whole and mass:
+        return {name: (link_mass / mass, 0.0) for name, (link_mass, _) in known.items()}
     if len(known) == 1 or not mass or tensor is None:
         return dict.fromkeys(known, (1.0, 1.0))
     largest = max(float(np.linalg.eigvalsh(tensor)[-1]), 1e-300)

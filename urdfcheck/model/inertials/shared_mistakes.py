@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 UNIT_CAUSES = frozenset({"com_unit", "mass_unit", "inertia_unit"})
 _OF_ALL_LINKS = UNIT_CAUSES | {"units", "decimal_point"}
 # Two fifths of the mass in a motor make a tensor differ by less from that of the drawn part (a share of its norm).
-_LUMPED = 0.4
+LUMPED = 0.4
 # The tensor that is left may differ by this share from the drawn part's where a mistake of the whole file is edited.
 _PROVEN = 0.1
 # Principal moments that agree in this share, of a part with its COM where it is drawn, are those of the part; moments that
@@ -96,7 +96,7 @@ def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
         return True
     drawn, mended = measure_link_geometry(model, link), diagnosis.mended
     left = 0.0 if drawn is None or mended is None else measure_difference(mended, drawn)
-    if diagnosis.cause not in UNIT_CAUSES and left > _LUMPED:
+    if diagnosis.cause not in UNIT_CAUSES and left > LUMPED:
         return False
     return measure_mismatch(diagnosis, is_mended=True) < 0.5 * measure_mismatch(diagnosis, is_mended=False)
 
