@@ -272,8 +272,9 @@ class TestXML003:
 
     def test_the_element_of_another_repair_is_named(self, tmp_path: Path) -> None:
         inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
-        other = f'<link name="b"><mass value="2"/>{inertial}</link><joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
-        text = f'<robot name="r"><link name="a"><limit effort="1"/>{inertial}</link>{other}</robot>'
+        joints = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+        links = f'<link name="a"><limit effort="1"/>{inertial}</link><link name="b"><mass value="2"/>{inertial}</link>'
+        text = f'<robot name="r">{links}{joints}</robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
         assert joint.fix.title == "move it into <joint>; b: delete it: <inertial> beside it has its own"
