@@ -377,6 +377,15 @@ class TestXML003:
         assert found.fix is not None
         assert found.fix.title == "delete it: joint j after it has the same"
 
+    def test_the_element_of_another_repair_is_named(self, tmp_path: Path) -> None:
+        inertial = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        joints = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+        links = f'<link name="a"><limit effort="1"/>{inertial}</link><link name="b"><mass value="1"/>{inertial}</link>'
+        text = f'<robot name="r">{links}{joints}</robot>'
+        joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
+        assert joint.fix is not None
+        assert joint.fix.title == "move it into <joint>; b: delete it: <inertial> beside it has its own"
+
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
         assert finding.message_id == "misplaced"

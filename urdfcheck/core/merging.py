@@ -22,6 +22,8 @@ from urdfcheck.core.text import join_names
 _BLOCKS = "<gazebo> blocks"
 _THE_OTHER = "; the other has its own repair"
 _EACH_OTHER = "; each of the others has its own repair"
+# More elements than these are not named before their repair.
+_FEW_NAMES = 2
 # The longest repair of a second place that is told beside the first one's.
 _SHORT_REPAIR = 80
 _NAMED = re.compile(r"\w+\[(.*?)\](?=[/@]|$)", re.DOTALL)
@@ -267,11 +269,12 @@ def _join_fixes(ordered: Sequence[Finding]) -> Fix | None:
 
 
 def _tell_other(kind: Sequence[Finding], first: Finding) -> str:
-    """Return what repairs places of another kind than the ``first``, with the names of those that it is for."""
+    """Return what repairs places of another kind than the ``first``, with the names of those that it is for, if they are few."""
     told, title = ("" if own.fix is None else own.fix.title for own in (kind[0], first))
     alike = [own for own in kind if own.fix is not None and own.fix.title == told]
     names = dict.fromkeys(name for own in alike for name in _list_names(own))
-    place = "elsewhere " if not names or names.keys() & set(_list_names(first)) else f"{join_names(names)}: "
+    is_named = 0 < len(names) <= _FEW_NAMES and not names.keys() & set(_list_names(first))
+    place = f"{join_names(names)}: " if is_named else "elsewhere "
     return f"; {place}{told.removesuffix(f', or {title}')}"  # both may end in the same advice
 
 
