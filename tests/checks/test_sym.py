@@ -523,3 +523,18 @@ def test_of_equal_tilts_the_nearest_frame_is_proposed(tmp_path: Path) -> None:
     text = axle(right="0 0.0717150119 0").replace('axis xyz="0 1 0"', 'axis xyz="1 0 0"')
     (finding,) = find(tmp_path, text, "SYM001")
     assert edits(finding) == [("0 0.0717150119 0", "0 0 0")]
+
+
+def test_a_tilted_frame_keeps_its_choice_of_axes(tmp_path: Path) -> None:
+    """The other arm is here by half a turn or by a mirror: both give the joint axis one line."""
+    mass = (
+        '<inertial><origin xyz="0.1 0 0"/><mass value="0.4"/>'
+        '<inertia ixx="1e-4" ixy="0" ixz="0" iyy="1.3e-3" iyz="0" izz="1.2e-3"/></inertial>'
+    )
+    parts = ['<link name="torso"/>']
+    for side, sign, rpy in (("left", "", "0 0 -0.335214882"), ("right", "-", "0 0 0")):
+        parts.append(f'<link name="{side}_arm">{mass}</link>')
+        place, axis = f"0.1 {sign}0.2 0.3", f"0.9989 {sign}0.014 0.045"
+        parts.append(make_joint_on_base(f"{side}_elbow", f"{side}_arm", place, rpy, axis, "revolute", "torso"))
+    (finding,) = find(tmp_path, f'<robot name="r">{"".join(parts)}</robot>', "SYM001")
+    assert edits(finding) == [("0 0 -0.335214882", "0 0 0")]

@@ -232,3 +232,12 @@ def test_a_wheel_is_not_taken_out_of_the_fork_that_its_parent_draws(
     (finding,) = find(tmp_path, {"robot.urdf": text, "forks.obj": "\n".join((*lines, *faces))}, "SYM002")
     assert finding.message_id == message
     assert bool(edits(finding)) == (message == "misplaced")
+
+
+def test_a_wheel_that_is_off_in_other_directions_too_is_not_edited(tmp_path: Path) -> None:
+    straight, askew = (drawn(car(front_left=xyz)) for xyz in ("0.07 0.052 0.003", "0.075 0.056 0.003"))
+    (finding,) = find(tmp_path / "a", straight, "SYM006")
+    assert edits(finding) == [("0.07 0.052 0.003", "0.07 0.052 0")]
+    (finding,) = find(tmp_path / "b", askew, "SYM006")
+    assert finding.fix is not None
+    assert not finding.fix.edits

@@ -69,3 +69,23 @@ def test_the_side_with_the_likelier_mistake_has_it() -> None:
     decimal = find_slip_between_twins(replace(PART, mass=17.0), TWIN)
     assert decimal is not None
     assert decimal.is_either
+
+
+def test_one_coordinate_has_another_point_where_the_others_are_the_twins() -> None:
+    slipped = replace(PART, com=PART.com * (1.0, 10.0, 1.0))
+    mirrored = replace(PART, com=PART.com * (1.0, -1.0, 1.0))
+    slip = find_twin_slip(slipped, mirrored)
+    assert slip is not None
+    assert (slip.id, slip.detail) == ("decimal_point", "com y 0.1")
+    for first, second in ((slipped, mirrored), (mirrored, slipped)):
+        found = find_slip_between_twins(first, second)
+        assert found is not None
+        assert found.is_either
+        assert found.is_first == (first is slipped)
+
+
+def test_the_com_that_is_farther_away_has_the_mistake() -> None:
+    lone = replace(PART, com=np.array((0.0, 0.0, -0.2)))
+    found = find_slip_between_twins(replace(lone, com=lone.com * 1e3), lone)
+    assert found is not None
+    assert found.is_first

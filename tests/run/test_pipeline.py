@@ -145,6 +145,39 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     assert kept[0].data["hides"] == ["INR003"]
 
 
+def test_a_note_on_request_does_not_hide_what_counterparts_show() -> None:
+    from dataclasses import replace
+
+    from urdfcheck.core import Location
+
+    rules = load_rules()
+
+    def finding(code: str, message: str, severity: Severity) -> Finding:
+        rule, at = rules[code], Location("link[a]/inertial/inertia", None)
+        return Finding(
+            code=code,
+            name=rule.name,
+            severity=severity,
+            confidence=rule.confidence,
+            message_id=message,
+            headline="h",
+            message="m",
+            location=at,
+            subjects=(at.subject,),
+        )
+
+    note, odd = finding("INR007", "estimate", Severity.INFO), finding("SYM003", "odd", Severity.WARNING)
+    assert drop_superseded([note, odd], rules) == [note, odd]
+    for stronger, weaker in (
+        (replace(note, severity=Severity.WARNING), odd),
+        (replace(note, message_id="placeholder"), odd),
+        (note, replace(odd, severity=Severity.INFO)),
+        (note, finding("INR005", "exceeds", Severity.WARNING)),
+    ):
+        (kept,) = drop_superseded([stronger, weaker], rules)
+        assert kept.code == "INR007"
+
+
 def test_a_finding_drops_what_it_explains() -> None:
     from dataclasses import replace
 

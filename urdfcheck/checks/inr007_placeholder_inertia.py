@@ -112,10 +112,11 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             if name not in shares:
                 continue
             declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
-            if not has_negligible_moment(mass, shares[name][1]):
-                yield _PlaceholderInertial(
-                    declared, mass, description, shares[name][1], misfit=_measure_misfit(model, declared, mass, factor)
-                )
+            share, misfit = shares[name][1], _measure_misfit(model, declared, mass, factor)
+            # A moment that is too small counts as much as the one that it should be.
+            lack = 1.0 if misfit is None else max(1.0, misfit.expected / max(declared.components))
+            if not has_negligible_moment(mass, share * lack):
+                yield _PlaceholderInertial(declared, mass, description, share, misfit=misfit)
 
 
 def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:

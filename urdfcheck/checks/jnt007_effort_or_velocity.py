@@ -117,7 +117,9 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
     simulated = _collect_simulated_motors(model)
     with_motor = [joint for joint in powerless if joint.name in simulated]
-    forgotten = [j for j in powerless if j not in with_motor and j.name not in still and _is_odd(j, powerless, driven)]
+    # A velocity of 0 that all joints have says nothing of one.
+    idle = still if len(still) < len(driven) else set()
+    forgotten = [j for j in powerless if j not in with_motor and j.name not in idle and _is_odd(j, powerless, driven)]
     without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
     # Where the velocity is 0 too, who writes the effort alone repairs half.
     for is_still in (False, True):

@@ -255,11 +255,19 @@ def _pick_outlier_by_angles(
                 others=others,
                 kind=suspects.kind,
                 angle=angle,
-                expected=base @ expected,
+                expected=_name_axes_alike(model, group[index], base @ expected, kind=suspects.kind),
                 pattern=suspects.pattern,
                 why=why,
             )
     return None
+
+
+def _name_axes_alike(model: Model, joint: Joint, expected: Array, *, kind: str) -> Array:
+    """Return a frame (3, 3) with the choice of axes that the tilted frame of a joint has: a tilt is no half turn."""
+    choice = np.rint(expected.T @ model.frames[joint.child][:3, :3])
+    is_choice = kind == "axis_tilt" and is_axis_renaming(choice) and float(np.linalg.det(choice)) > 0.0
+    named: Array = expected @ choice if is_choice else expected
+    return named
 
 
 def _collect_unround_rpys(model: Model, joint: Joint, base: str) -> list[str]:

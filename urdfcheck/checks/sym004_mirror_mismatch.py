@@ -233,7 +233,9 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         remedies = [f"repair the COM of {name} first: it is outside the drawn part; then compare the two again"]
     else:
         remedies = [] if written is None else [_describe_remedy(written, note)]
-    edits = () if shared or written is None else make_attribute_edits(list_inertial_changes(written, note))
+    # Masses stay as they are: where they differ, the rest alone repairs nothing.
+    is_partial = shared or written is None or deviation.mass > shares.differ
+    edits = () if is_partial or written is None else make_attribute_edits(list_inertial_changes(written, note))
     if is_barred:
         remedies.append(
             f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
@@ -468,7 +470,15 @@ def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
     """Return the id of the cause on the page."""
     if sides.typed is not None:
         return "placeholder"
+    if sides.slip is not None and all(map(_has_power_of_ten, sides.numbers)):
+        return None  # two placeholders, 0.1 and 0.001, are a power of ten apart whatever the reason
     return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
+
+
+def _has_power_of_ten(numbers: DeclaredInertial) -> bool:
+    """Whether a tensor is a power of ten times the identity."""
+    largest = float(numbers.tensor.max())
+    return bool((numbers.tensor == largest * np.eye(3)).all()) and f"{largest:e}".startswith("1.000000e")
 
 
 def _collect_cause_data(both: Sequence[PairSide], why: _Explanation) -> dict[str, Any]:

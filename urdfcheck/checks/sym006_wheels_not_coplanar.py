@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,9 +11,13 @@ import numpy as np
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
+from urdfcheck.model.ground.wheels import Wheel
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.number_text import keep_notation
+
+# Wheels of one row, or of one axle, are level with each other to this (m).
+_IN_ROW = 1e-3
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[Finding]:
@@ -55,9 +59,15 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         yield rule.finding("radius", at=_locate_xyz(joint), **data)
         return
     before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
-    if abs(odd.rise) > odd.wheel.radius:
-        edits = []  # so far away it is not its height alone that is wrong
+    if abs(odd.rise) > odd.wheel.radius or not _is_in_rows(odd.wheel, wheels):
+        edits = []  # it is not its height alone that is wrong
     yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, **data)
+
+
+def _is_in_rows(wheel: Wheel, wheels: Sequence[Wheel]) -> bool:
+    """Whether a wheel is level with another one across the robot and with one along it, as if only its height were wrong."""
+    apart = np.abs([(other.centre - wheel.centre)[:2] for other in wheels if other is not wheel])
+    return bool((apart.min(axis=0) <= _IN_ROW).all())
 
 
 def _propose_origin_xyz(model: Model, joint: Joint, rise: float) -> tuple[str, str, list[Edit]]:

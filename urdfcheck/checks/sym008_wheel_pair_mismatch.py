@@ -10,13 +10,15 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.likeness.revolution import measure_line_angle
-from urdfcheck.model import Model
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.ground.wheel_pair import WheelPair, find_lone_wheel_pair
 from urdfcheck.model.ground.wheels import Wheel
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 
 # A wheel this straight (rad) is not the tilted one of a pair.
 _STRAIGHT = 0.003
+# Coordinates (m) that are the same on both sides.
+_SAME_PLACE = 5e-4
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float, angle: float) -> Iterator[Finding]:
@@ -32,17 +34,33 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, angle: float
     tilted = _find_tilted_wheel(pair) if pair.angle > math.radians(angle) else None
     first, second = (pair.right, pair.left) if tilted is pair.right else (pair.left, pair.right)
     attribute = "rpy" if tilted is not None and len(differences) == 1 else "xyz"
+    joints = first.joint, second.joint
+    if attribute == "xyz":
+        joints = _find_unlike_joints(model, *joints) or joints
     yield rule.finding(
         "pair",
-        at=locate_origin_attribute(first.joint, attribute),
-        related=[locate_origin_attribute(second.joint, attribute)],
+        at=locate_origin_attribute(joints[0], attribute),
+        related=[locate_origin_attribute(joints[1], attribute)],
         wheel=first.joint.child,
         twin=second.joint.child,
         main=_describe_main(pair, differences[0], tilted),
         differences=join_names(differences),
-        repair=_describe_repair(first, second, tilted if attribute == "rpy" else None),
-        between=[f"joint[{first.joint.name}]", f"joint[{second.joint.name}]"],
+        repair=_describe_repair(*joints, tilted if attribute == "rpy" else None),
+        between=list(dict.fromkeys(f"joint[{joint.name}]" for joint in (first.joint, second.joint, *joints))),
     )
+
+
+def _find_unlike_joints(model: Model, one: Joint, other: Joint) -> tuple[Joint, Joint] | None:
+    """Find the only two joints, at one place of the two chains to the wheels, whose origins differ in more than signs."""
+    unlike = []
+    while True:
+        places = [np.abs(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in (one, other)]
+        if np.abs(places[0] - places[1]).max() > _SAME_PLACE:
+            unlike.append((one, other))
+        above = [model.tree.parent_joint.get(joint.parent) for joint in (one, other)]
+        if one.parent == other.parent or above[0] is None or above[1] is None:
+            return unlike[0] if len(unlike) == 1 and one.parent == other.parent else None
+        one, other = above[0], above[1]
 
 
 def _describe_differences(pair: WheelPair, *, least: float, angle: float) -> list[str]:
@@ -104,7 +122,7 @@ def _get_other(pair: WheelPair, wheel: Wheel) -> str:
     return (pair.right if wheel is pair.left else pair.left).joint.child
 
 
-def _describe_repair(first: Wheel, second: Wheel, tilted: Wheel | None) -> str:
+def _describe_repair(first: Joint, second: Joint, tilted: Wheel | None) -> str:
     if tilted is not None:
-        return f"correct the rpy of {tilted.joint.name}; compare it with that of {second.joint.name}"
-    return f"compare the origins of {first.joint.name} and {second.joint.name}, and the wheels' shapes; correct the wrong one"
+        return f"correct the rpy of {tilted.joint.name}; compare it with that of {second.name}"
+    return f"compare the origins of {first.name} and {second.name}, and the wheels' shapes; correct the wrong one"

@@ -21,7 +21,8 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
-    (``between``), is dropped if one of these does. A finding that is the cause of others names them in its data
+    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``) is not dropped for a note
+    on request that is less severe: most reports leave that out. A finding that is the cause of others names them in its data
     (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say; these are dropped too. A
     finding that takes the place of the one for which the model could not be checked is the cause in its stead.
     """
@@ -41,13 +42,15 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
         stronger = rule.hidden_by if rule is not None else ()
+        is_compared = rule is not None and "symmetry" in rule.tags
         elements = set(map(_get_element, finding.subjects))
         between = set(map(_get_element, finding.data.get("between", ())))
         superseding = {
-            element: index_by_element[code, element]
+            element: other
             for element in elements | between
             for code in reversed(stronger)  # the first code of the page wins
-            if (code, element) in index_by_element
+            if (other := index_by_element.get((code, element))) is not None
+            and not (is_compared and findings[other].severity < finding.severity and _is_on_request(findings[other], rules))
         }
         superseding |= {
             element: explained[finding.code, place]
@@ -109,6 +112,11 @@ def list_held_back(finding: Finding) -> list[str]:
     """List the rules of which a finding dropped whatever they reported, because it explains all of it."""
     explained = finding.data.get("explains", ())
     return [code for code in finding.data.get("hides", ()) if f"{code} {WHOLE_RULE}" in explained]
+
+
+def _is_on_request(finding: Finding, rules: Mapping[str, Rule]) -> bool:
+    rule = rules.get(finding.code)
+    return rule is not None and finding.severity is Severity.INFO and finding.message_id in rule.on_request
 
 
 def _take_place(finding: Finding, hidden: Collection[str] | None, severity: Severity | None) -> Finding:

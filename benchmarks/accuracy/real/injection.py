@@ -273,7 +273,7 @@ _FAMILIES = {
 
 def _is_sound(stage: _Stage, part: Part, kind: Kind) -> bool:
     """Whether nothing is said at warning or above, about what will be broken."""
-    codes = _FAMILIES.get(kind.family, ("GEO", "MSH", "PKG", "KIN", "COL"))
+    codes = _FAMILIES.get(kind.family, ("GEO", "MSH", "PKG", "KIN", "COL", "JNT009"))
     return not any(
         severity >= Severity.WARNING and key[0].startswith(codes) and key[3].startswith(tuple(part.subjects))
         for key, severity in stage.said.items()

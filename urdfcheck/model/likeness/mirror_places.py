@@ -22,6 +22,7 @@ from urdfcheck.model.likeness.origin_slips import (
     iter_diagonal_twins,
     iter_odd_signs,
 )
+from urdfcheck.model.likeness.sides.lone_attributes import LoneAttribute, iter_lone_attributes
 from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
 from urdfcheck.model.likeness.sides.lone_turns import LoneTurn, iter_lone_turns
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
@@ -82,6 +83,7 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
         if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
             yield _describe_misplaced_joint(off)
     yield from map(_describe_slip, iter_lone_coordinates(model))
+    yield from map(_describe_lone_attribute, iter_lone_attributes(model))
 
 
 def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
@@ -145,6 +147,24 @@ def _describe_slip(slip: OriginSlip) -> PlaceMistake:
     }
     cause = None if slip.kind == "coordinate" else slip.kind
     return PlaceMistake(message="slip", joints=(joint, twin), at=at, related=(related,), cause=cause, data=data)
+
+
+def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
+    both, is_axis = (lone.joint, lone.twin), lone.attribute == "axis"
+    at, related = (joint.axis_location if is_axis else locate_origin_attribute(joint, "rpy") for joint in both)
+    typed, expected = (
+        format_point((joint.axis if is_axis else joint.origin.rpy) or (0.0, 0.0, 0.0), decimals=6) for joint in both
+    )
+    data = {
+        "joint": lone.joint.name,
+        "twin": lone.twin.name,
+        "what": "axis" if is_axis else "origin's rpy",
+        "typed": typed,
+        "expected": expected,
+        "count": lone.witnesses,
+        "between": _list_subjects(both),
+    }
+    return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
 
 
 def _describe_odd_sign(odd: OddSign) -> PlaceMistake:

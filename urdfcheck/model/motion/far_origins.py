@@ -158,8 +158,9 @@ def _confirm_by_others(
             between = _measure_box_gap(parent.box, child.box)
             if between < _OPEN * length:
                 continue
-        # The COM of a long shaft, which may have short joints only, is in its middle.
-        if far.gap is None and length <= limits.undrawn * others and between < _NO_SHAFT * length:
+        # The COM of a long shaft, which may have short joints only, is in its middle. No shaft between joints is that long.
+        is_shaft = not joint.is_movable or length < limits.least_fixed
+        if far.gap is None and is_shaft and length <= limits.undrawn * others and between < _NO_SHAFT * length:
             continue
         found.append(far)
     return found

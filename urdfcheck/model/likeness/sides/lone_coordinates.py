@@ -1,4 +1,4 @@
-"""Joints of which one coordinate of the origin is not that of the other side, while all other numbers are, to the digit."""
+"""Joints of which one coordinate of the origin is not that of the other side, while all other numbers are, as typed."""
 
 from __future__ import annotations
 
@@ -14,12 +14,13 @@ from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
-# Coordinates (m) that were typed alike.
-_EXACT = 1e-9
+# Coordinates (m) that were typed alike, apart from the noise of a CAD program.
+_SAME = 1e-4
 # A smaller coordinate (m) has a sign by rounding; a smaller difference is one between two exports.
 _LEAST, _LEAST_OFF = 2e-3, 5e-3
-# So many other pairs are mirror images to the digit.
-_WITNESSES = 2
+# So many other pairs are mirror images. One is enough where the decimal point slipped: to this share, three typed digits.
+_WITNESSES, _ROUNDED = 2, 0.005
+_POWERS = (10.0, 100.0, 1000.0)
 # So many joints of one kind hang on one link; more are an array.
 _FEWEST, _MOST = 4, 16
 
@@ -41,7 +42,7 @@ class _Pair:
 def iter_lone_coordinates(model: Model) -> Iterator[OriginSlip]:
     """Yield joints of which one coordinate of the origin, as typed, is not that of the mirror image of another joint.
 
-    Their other coordinates are, to the digit, and so are all coordinates of other pairs.
+    Their other coordinates are, to a tenth of a millimetre, and so are all coordinates of other pairs.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -77,8 +78,15 @@ def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
         return
     witnesses = [pair for pair in pairs if pair is not only and pair.is_shown]
     like = [pair for pair in witnesses if pair.one.parent == pair.other.parent == only.one.parent]
-    if len(witnesses) >= _WITNESSES or any(pair.across == only.across for pair in like):
+    if len(witnesses) >= (1 if _is_slipped_point(only) else _WITNESSES) or any(p.across == only.across for p in like):
         yield only
+
+
+def _is_slipped_point(pair: _Pair) -> bool:
+    """Whether the coordinate that differs is a power of ten times the other one."""
+    assert pair.lone is not None
+    small, large = sorted(abs((joint.origin.xyz or (0.0, 0.0, 0.0))[pair.lone]) for joint in (pair.one, pair.other))
+    return any(abs(large - power * small) <= _ROUNDED * large for power in _POWERS)
 
 
 def _find_on_one_link(model: Model) -> Iterator[_Pair]:
@@ -117,7 +125,7 @@ def _compare(one: Joint, other: Joint) -> _Pair | None:
     if one.origin.xyz is None or other.origin.xyz is None:
         return None
     places = np.array((one.origin.xyz, other.origin.xyz))
-    same = np.abs(np.abs(places[0]) - np.abs(places[1])) <= _EXACT
+    same = np.abs(np.abs(places[0]) - np.abs(places[1])) <= _SAME
     differ = np.flatnonzero(~same).tolist()
     if len(differ) > 1 or (differ and abs(np.abs(places[0]) - np.abs(places[1]))[differ[0]] < _LEAST_OFF):
         return None

@@ -1,0 +1,133 @@
+"""The one pair of left and right joints whose axes or angles differ as typed, while those of all other pairs agree."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from urdfcheck.core.records import dataclass
+from urdfcheck.model.likeness.mirror_pairs import list_named_pairs
+from urdfcheck.model.likeness.mirrored_joints import TURNING
+from urdfcheck.model.parts import Joint
+from urdfcheck.model.robot import Model
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
+# So many other pairs agree.
+_WITNESSES = 4
+# Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
+_SAME = {"axis": 2e-3, "xyz": 1e-3, "rpy": 2e-3}
+# A smaller angle (rad) is one between two exports; a multiple of the step, to within this, is an arrangement.
+_LEAST, _STEP, _ROUND = math.radians(1), math.radians(15), math.radians(0.06)
+# Cosine: axes along other lines.
+_APART = 0.99
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class LoneAttribute:
+    """Two joints on both sides of which one attribute differs in more than signs."""
+
+    joint: Joint
+    twin: Joint
+    attribute: Literal["axis", "rpy"]
+    witnesses: int
+    """How many other pairs agree."""
+
+
+def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
+    """Yield the only pair of left and right joints whose axes, or angles, differ in more than signs.
+
+    Their places, and what their links draw, are typed alike on both sides: no other choice of frames explains it.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
+    pairs = _list_pairs(model)
+    if len(pairs) <= _WITNESSES:
+        return
+    for attribute in ("axis", "rpy"):
+        odd = [pair for pair in pairs if not _agree(pair, attribute)]
+        if len(odd) == 1 and _is_slip(model, odd[0], attribute):
+            one, other = odd[0]
+            yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)  # type: ignore[arg-type]
+
+
+def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
+    """List the left and right joints that move, of one type, on one link or on two that are a pair."""
+    both = dict.fromkeys(list_named_pairs(model))
+    joints = [tuple(model.tree.parent_joint.get(name) for name in names) for names in both]
+    return [
+        (one, other)
+        for one, other in joints
+        if one is not None
+        and other is not None
+        and one.has_axis
+        and one.type == other.type
+        and (one.parent == other.parent or (one.parent, other.parent) in both)
+    ]
+
+
+def _agree(pair: Sequence[Joint], attribute: str) -> bool:
+    """Whether an attribute of two joints is the same apart from signs; False where one is malformed."""
+    one, other = (_read(joint, attribute) for joint in pair)
+    if one is None or other is None:
+        return False
+    off = np.abs(one - other)
+    return bool((off if attribute != "rpy" else np.minimum(off, math.pi - off)).max() <= _SAME[attribute])
+
+
+def _read(joint: Joint, attribute: str) -> Array | None:
+    if attribute == "axis":
+        axis = None if joint.axis is None else np.abs(joint.axis)
+        return axis / np.linalg.norm(axis) if axis is not None and axis.any() else None
+    values = joint.origin.xyz if attribute == "xyz" else joint.origin.rpy
+    if values is None:
+        return None
+    # An angle that is half a turn away is another choice of axes.
+    return np.abs(values if attribute == "xyz" else np.remainder(np.add(values, math.pi / 2), math.pi) - math.pi / 2)
+
+
+def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
+    """Whether nothing else is typed otherwise on one side, so that the attribute cannot be a choice of frames."""
+    first, second = (_read(joint, attribute) for joint in pair)
+    if first is None or second is None or not _agree(pair, "xyz") or not _is_drawn_alike(model, pair):
+        return False
+    before = {joint.child: joint for joint in model.joints}
+    behind = [(before.get(one), before.get(other)) for one, other in list_named_pairs(model)]
+    if any(
+        not _agree((one, other), "xyz")
+        for one, other in behind
+        if one is not None and other is not None and {one.parent, other.parent} == {joint.child for joint in pair}
+    ):
+        return False
+    if attribute == "axis":
+        return _agree(pair, "rpy") and float(first @ second) < _APART
+    off = np.abs(first - second)
+    angle = float(off.max())
+    is_one = int((off > _SAME["rpy"]).sum()) == 1 and angle > _LEAST
+    is_arranged = abs(angle - round(angle / _STEP) * _STEP) <= _ROUND
+    return is_one and not is_arranged and _agree(pair, "axis") and not _is_of_zero(pair)
+
+
+def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
+    """Whether the frames are rotated about the axis of a hinge: another zero."""
+    one, other = pair
+    turns = [joint.origin.matrix for joint in pair]
+    if one.type not in TURNING or turns[0] is None or turns[1] is None or one.axis is None or other.axis is None:
+        return False
+    axes = [np.abs(turn[:3, :3] @ joint.axis) for turn, joint in zip(turns, pair, strict=True)]
+    return bool(np.abs(axes[0] - axes[1]).max() <= math.sin(_LEAST) * np.linalg.norm(one.axis))
+
+
+def _is_drawn_alike(model: Model, pair: tuple[Joint, Joint]) -> bool:
+    """Whether the shapes of both links are as many, with the same angles apart from signs."""
+    shapes = [model.link_by_name[joint.child].visuals for joint in pair]
+    return len(shapes[0]) == len(shapes[1]) and all(
+        one.origin.rpy is not None
+        and other.origin.rpy is not None
+        and bool(np.abs(np.abs(one.origin.rpy) - np.abs(other.origin.rpy)).max() <= _SAME["rpy"])
+        for one, other in zip(*shapes, strict=True)
+    )
