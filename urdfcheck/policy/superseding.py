@@ -21,8 +21,8 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
-    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``) is not dropped for a note
-    on request that is less severe: most reports leave that out. A finding that is the cause of others names them in its data
+    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``) is not dropped for a
+    note on request that is less severe: most reports leave that out. A finding that is the cause of others names them in its data
     (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say; these are dropped too. A
     finding that takes the place of the one for which the model could not be checked is the cause in its stead.
     """

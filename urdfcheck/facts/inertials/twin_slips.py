@@ -128,8 +128,8 @@ def find_twin_slip(wrong: DeclaredInertial, right: DeclaredInertial) -> Mistake 
     if fits[0]:  # only the COM can be wrong
         if is_near[0] or float(np.linalg.norm(right.com)) <= _NEAR_FRAME * _measure_size(right):
             return None
-        # One coordinate more or less explains many distances; a power of ten of all of them does not, nor does one that leaves the
-        # coordinates of the other, apart from signs.
+        # One coordinate more or less explains many distances; a power of ten of all of them does not, nor does one that leaves
+        # the coordinates of the other, apart from signs.
         is_scaled = np.linalg.norm(np.cross(numbers.com, wrong.com), axis=1) < 1e-9 * float(wrong.com @ wrong.com)
         is_same = np.abs(np.abs(numbers.com) - np.abs(right.com)).max(axis=1) <= _EQUAL * float(np.linalg.norm(right.com))
         fits &= is_moved & is_near & (is_scaled | is_same)
