@@ -114,5 +114,7 @@ def test_a_graze_is_not_enough(tmp_path: Path) -> None:
 def test_a_ray_between_two_sectors_does_not_part_them(blocked: str, sectors: list[str]) -> None:
     distances = np.array([[1.0 if ray == "1" else np.inf for ray in blocked]])
     parsed = GazeboSensor(Element("sensor", None), "base")
-    scan = SelfScan(sensor=parsed, least=0.1, azimuths=np.radians([0, 0.2, 0.3, 0.45, 0.9]), distances=distances, seen=())
+    scan = SelfScan(
+        sensor=parsed, least=0.1, azimuths=np.radians([0, 0.2, 0.3, 0.45, 0.9]), distances=distances, seen=()
+    )
     assert scan.describe_sectors() == sectors

@@ -474,14 +474,15 @@ def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) 
     origin = failure.problem.related[-1] if failure.problem.related else None
     kind, _, name = ("" if origin is None else origin.subject.removesuffix("]")).partition("[")
     given = f": {kind} {name} is empty" if name and kind != "property" else ""
-    data = {"expression": failure.expression, "given": given}
+    data: dict[str, Any] = {"given": given}
     if origin is None or kind != "argument":
         return _build_report_at_expression(failure, "file-name-empty", repair=_FILE_NAME_REPAIR, **data)
     # The argument is what must be given: the expression is as it should be.
     options = format_argument_option(name)
     repair = f"give a value: `{options}`; or {_FILE_NAME_REPAIR}"
     extra = (failure.problem.location,)
-    return _build_report(failure, "file-name-empty", at=origin, extra=extra, repair=repair, remedy=options, **data)
+    data |= {"expression": failure.expression, "repair": repair, "remedy": options}
+    return _build_report(failure, "file-name-empty", at=origin, extra=extra, **data)
 
 
 def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

@@ -45,8 +45,8 @@ def _check_repeated_materials(global_materials: list[Element], rule: Rule, *, ma
             continue
         is_same_text = material.span is not None and material.span == first[name].span
         message = "again" if is_same_text else "repeated"
-        data = {"material": name, "main": main}
-        yield rule.finding(message, at=material, severity=Severity.ERROR, related=[first[name]], **data)
+        related = [first[name]]
+        yield rule.finding(message, at=material, severity=Severity.ERROR, related=related, material=name, main=main)
 
 
 def _check_conflicting_materials(

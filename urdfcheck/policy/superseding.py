@@ -50,7 +50,9 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             for element in elements | between
             for code in reversed(stronger)  # the first code of the page wins
             if (other := index_by_element.get((code, element))) is not None
-            and not (is_compared and findings[other].severity < finding.severity and _is_on_request(findings[other], rules))
+            and not (
+                is_compared and findings[other].severity < finding.severity and _is_on_request(findings[other], rules)
+            )
         }
         superseding |= {
             element: explained[finding.code, place]

@@ -52,7 +52,7 @@ def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
         odd = [pair for pair in pairs if not _agree(pair, attribute)]
         if len(odd) == 1 and _is_slip(model, odd[0], attribute):
             one, other = odd[0]
-            yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)  # type: ignore[arg-type]
+            yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
 
 
 def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
@@ -118,7 +118,7 @@ def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
     turns = [joint.origin.matrix for joint in pair]
     if one.type not in TURNING or turns[0] is None or turns[1] is None or one.axis is None or other.axis is None:
         return False
-    axes = [np.abs(turn[:3, :3] @ joint.axis) for turn, joint in zip(turns, pair, strict=True)]
+    axes = [np.abs(turn[:3, :3] @ axis) for turn, axis in ((turns[0], one.axis), (turns[1], other.axis))]
     return bool(np.abs(axes[0] - axes[1]).max() <= math.sin(_LEAST) * np.linalg.norm(one.axis))
 
 
