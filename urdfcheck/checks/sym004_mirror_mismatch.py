@@ -30,6 +30,7 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
+from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     PairSide,
@@ -79,8 +80,8 @@ _OWN_COM = 0.02
 _OUTSIDE = 0.1
 # A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
 _SAME_COM = 0.01
-# Of numbers that are the other side's but for signs one is the image of the other, whatever else is wrong with both.
-_SIGN_CAUSES = frozenset({"signs", "products_sign"})
+# Of numbers that are the other side's apart from signs one is the image of the other, whatever else is wrong with both.
+_SIGN_CAUSES = frozenset({"signs", "products_sign", *CONTRADICTIONS})
 _EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
 _EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
 # What is so where the masses and the COMs are the same, and where no joint moves one side without the other.
@@ -204,7 +205,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     }
     shared = _has_shared_inertial(side)
     if wrong is None:
-        if deviation.worst == deviation.com_offset and all(_has_com_outside(model, one.link) for one in both):
+        if deviation.worst == deviation.com_offset and all(_is_outside_body(model, one.link) for one in both):
             return None  # INR006 reports both
         repair = _EXPORT_BOTH
         are_related = why.cause in _SIGN_CAUSES or deviation.com_offset <= note
@@ -384,6 +385,16 @@ def _is_outside(model: Model, link: Link, numbers: DeclaredInertial) -> bool:
     drawn = measure_link_geometry(model, link)
     return drawn is not None and (
         measure_hull_distance(drawn.points, numbers.com) > _OUTSIDE * measure_extent(drawn.points)
+    )
+
+
+def _is_outside_body(model: Model, link: Link) -> bool:
+    """Whether the COM of a link is outside all that its rigid body draws, which INR006 reports."""
+    parts = [part for part in enclosed_inertials(model) if part.link is link and part.mass_share >= NEGLIGIBLE_SHARE]
+    return bool(parts) and all(
+        measure_hull_distance(points, part.com) > _OUTSIDE * measure_extent(points)
+        for part in parts
+        for points in part.readings
     )
 
 
