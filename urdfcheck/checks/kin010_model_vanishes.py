@@ -120,7 +120,7 @@ def _has_mass(links: list[Link]) -> bool:
 
 
 def _describe_lack_of_mass(link: Link) -> str:
-    """Return what a link must get: a mass whose moments of inertia are 0 is refused as well."""
+    """Return what a link must get: a mass whose moments of inertia are 0 is refused too."""
     if link.inertial is None:
         return "an <inertial>"
     return "a mass" if any(link.inertial.inertia_components or ()) else "a mass and moments of inertia"

@@ -263,7 +263,7 @@ def _pick_outlier_by_angles(
 
 
 def _name_axes_alike(model: Model, joint: Joint, expected: Array, *, kind: str) -> Array:
-    """Return a frame (3, 3) with the choice of axes that the tilted frame of a joint has: a tilt is no half turn."""
+    """Return a frame (3, 3) with the choice of axes that the tilted frame of a joint has, for a tilt is less than a half turn."""
     choice = np.rint(expected.T @ model.frames[joint.child][:3, :3])
     is_choice = kind == "axis_tilt" and is_axis_renaming(choice) and float(np.linalg.det(choice)) > 0.0
     named: Array = expected @ choice if is_choice else expected
