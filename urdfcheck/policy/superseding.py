@@ -21,10 +21,12 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
-    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``) is not dropped for a note
-    on request that is less severe: most reports leave that out. A finding that is the cause of others names them in its data
-    (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say; these are dropped too. A
-    finding that takes the place of the one for which the model could not be checked is the cause in its stead.
+    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``) is not dropped for a
+    note on request that is less severe: most reports leave that out.
+
+    A finding that is the cause of others names them in its data (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of
+    a rule), whatever their pages say; these are dropped too. A finding that takes the place of the one for which the model could
+    not be checked is the cause in its stead.
     """
     findings = list(findings)
     index_by_element: dict[tuple[str, str], int] = {}
@@ -50,7 +52,9 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
             for element in elements | between
             for code in reversed(stronger)  # the first code of the page wins
             if (other := index_by_element.get((code, element))) is not None
-            and not (is_compared and findings[other].severity < finding.severity and _is_on_request(findings[other], rules))
+            and not (
+                is_compared and findings[other].severity < finding.severity and _is_on_request(findings[other], rules)
+            )
         }
         superseding |= {
             element: explained[finding.code, place]

@@ -61,7 +61,9 @@ def find_slip_between_twins(first: DeclaredInertial, second: DeclaredInertial) -
         is_first = bool(np.linalg.norm(first.com) > np.linalg.norm(second.com))
         far, near = (of_first, of_second) if is_first else (of_second, of_first)
         mistake = far or near
-        return mistake and TwinSlip(mistake, is_first=is_first, is_either=mistake.id == "decimal_point")
+        if mistake is None:
+            return None
+        return TwinSlip(mistake, is_first=is_first, is_either=mistake.id == "decimal_point")
     if of_second is None:
         return None if of_first is None else TwinSlip(of_first, is_first=True, is_either=False)
     if of_first is None:
@@ -128,10 +130,12 @@ def find_twin_slip(wrong: DeclaredInertial, right: DeclaredInertial) -> Mistake 
     if fits[0]:  # only the COM can be wrong
         if is_near[0] or float(np.linalg.norm(right.com)) <= _NEAR_FRAME * _measure_size(right):
             return None
-        # One coordinate more or less explains many distances; a power of ten of all of them does not, nor does one that leaves the
-        # coordinates of the other, apart from signs.
+        # One coordinate more or less explains many distances; a power of ten of all of them does not, nor does one that leaves
+        # the coordinates of the other, apart from signs.
         is_scaled = np.linalg.norm(np.cross(numbers.com, wrong.com), axis=1) < 1e-9 * float(wrong.com @ wrong.com)
-        is_same = np.abs(np.abs(numbers.com) - np.abs(right.com)).max(axis=1) <= _EQUAL * float(np.linalg.norm(right.com))
+        is_same = np.abs(np.abs(numbers.com) - np.abs(right.com)).max(axis=1) <= _EQUAL * float(
+            np.linalg.norm(right.com)
+        )
         fits &= is_moved & is_near & (is_scaled | is_same)
     elif _measure_ratio(wrong, right) < _UNLIKE:
         return None
