@@ -48,7 +48,8 @@ def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
     pairs = _list_pairs(model)
     if len(pairs) <= _WITNESSES:
         return
-    for attribute in ("axis", "rpy"):
+    attributes: tuple[Literal["axis", "rpy"], ...] = ("axis", "rpy")
+    for attribute in attributes:
         odd = [pair for pair in pairs if not _agree(pair, attribute)]
         if len(odd) == 1 and _is_slip(model, odd[0], attribute):
             one, other = odd[0]
@@ -115,11 +116,11 @@ def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
 def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
     """Whether the frames are rotated about the axis of a hinge: another zero."""
     one, other = pair
-    turns = [joint.origin.matrix for joint in pair]
-    if one.type not in TURNING or turns[0] is None or turns[1] is None or one.axis is None or other.axis is None:
+    first, second = one.origin.matrix, other.origin.matrix
+    if one.type not in TURNING or first is None or second is None or one.axis is None or other.axis is None:
         return False
-    axes = [np.abs(turn[:3, :3] @ axis) for turn, axis in ((turns[0], one.axis), (turns[1], other.axis))]
-    return bool(np.abs(axes[0] - axes[1]).max() <= math.sin(_LEAST) * np.linalg.norm(one.axis))
+    off = np.abs(first[:3, :3] @ np.array(one.axis)) - np.abs(second[:3, :3] @ np.array(other.axis))
+    return bool(np.abs(off).max() <= math.sin(_LEAST) * np.linalg.norm(one.axis))
 
 
 def _is_drawn_alike(model: Model, pair: tuple[Joint, Joint]) -> bool:
