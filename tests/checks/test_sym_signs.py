@@ -64,6 +64,27 @@ def test_a_slip_of_one_side_of_two_is_found_and_shows_both_repairs(tmp_path: Pat
     assert not finding.fix.edits
 
 
+@pytest.mark.parametrize(
+    ("right", "found"),
+    [
+        ("0 -1.5 0.08", True),
+        ("0 -0.15 0.08", False),
+        ("0 -1.4 0.08", False),  # another number
+        ("0 1.5 0.08", False),  # on the same side
+        ("0.1 -1.5 0.08", False),  # another place
+    ],
+)
+def test_two_hubs_are_mirror_images_but_for_a_decimal_point(tmp_path: Path, right: str, found: bool) -> None:
+    """They need no other pair, and may be fixed: nothing is exactly ten times as wide to one side."""
+    joints = "".join(
+        f'<joint name="{side}_hub" type="fixed"><origin xyz="{xyz}"/><parent link="base"/><child link="{side}_hub"/></joint>'
+        f'<link name="{side}_hub"/>'
+        for side, xyz in (("left", "0 0.15 0.08"), ("right", right))
+    )
+    slips = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{joints}</robot>')
+    assert [slip.cause.id for slip in slips if slip.cause is not None] == ["decimal"] * found
+
+
 def test_another_place_is_no_slip(tmp_path: Path) -> None:
     assert not find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee="0 -0.02 -0.3"))
 

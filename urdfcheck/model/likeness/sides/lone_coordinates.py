@@ -61,11 +61,15 @@ def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
     pairs = []
     for names in both:
         one, other = (before.get(name) for name in names)
-        if one is None or other is None or not (one.is_movable and other.is_movable) or one.type != other.type:
+        if one is None or other is None or one.type != other.type:
             continue
         if one.parent != other.parent and (one.parent, other.parent) not in both:
             continue
         pair = _compare(one, other)
+        if not one.is_movable:  # sensors, covers and frames are where there is room for them
+            if pair is not None and pair.lone is not None and _is_mirrored_but_for_a_point(pair):
+                pairs.append(pair)
+            continue
         if pair is None:
             return  # the sides are arranged otherwise
         pairs.append(pair)
@@ -73,6 +77,9 @@ def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
     if len(odd) != 1 or not odd[0].is_shown:
         return
     (only,) = odd
+    if _is_mirrored_but_for_a_point(only):
+        yield only
+        return
     is_on_one_link = only.one.parent == only.other.parent
     if is_on_one_link and only.across is None:
         return
@@ -87,6 +94,18 @@ def _is_slipped_point(pair: _Pair) -> bool:
     assert pair.lone is not None
     small, large = sorted(abs((joint.origin.xyz or (0.0, 0.0, 0.0))[pair.lone]) for joint in (pair.one, pair.other))
     return any(abs(large - power * small) <= _ROUNDED * large for power in _POWERS)
+
+
+def _is_mirrored_but_for_a_point(pair: _Pair) -> bool:
+    """Whether two joints on one link are mirror images but for the decimal point of the coordinate that has opposite signs.
+
+    No robot is wide to one side so, and to the other exactly ten times as wide: that needs no other pair.
+    """
+    if pair.lone is None or not pair.is_shown or pair.one.parent != pair.other.parent:
+        return False
+    first, second = ((joint.origin.xyz or (0.0, 0.0, 0.0))[pair.lone] for joint in (pair.one, pair.other))
+    small, large = sorted((abs(first), abs(second)))
+    return first * second < 0 and any(abs(large - power * small) <= 1e-9 * large for power in _POWERS)
 
 
 def _find_on_one_link(model: Model) -> Iterator[_Pair]:
@@ -145,7 +164,7 @@ def _moves_axis(model: Model, pair: _Pair) -> bool:
     shift = model.frames[pair.other.parent][:3, :3] @ (np.array(pair.other.origin.xyz) - slip.expected)
     axis = model.axes.get(pair.other.name)
     if axis is None:
-        return False
+        return not pair.other.is_movable
     return float(np.linalg.norm(shift - axis * float(shift @ axis))) > PLACE
 
 
@@ -158,6 +177,5 @@ def _make_slip(pair: _Pair) -> OriginSlip:
         keeps_sign = pair.across is None and abs(own[pair.lone]) > _LEAST
         wanted[pair.lone] = np.copysign(twin[pair.lone], own[pair.lone] if keeps_sign else twin[pair.lone])
         expected.append(wanted)
-    return OriginSlip(
-        joint=pair.other, twin=pair.one, kind="coordinate", expected=expected[1], twin_expected=expected[0]
-    )
+    kind = "decimal" if _is_mirrored_but_for_a_point(pair) else "coordinate"
+    return OriginSlip(joint=pair.other, twin=pair.one, kind=kind, expected=expected[1], twin_expected=expected[0])
