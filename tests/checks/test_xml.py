@@ -74,6 +74,15 @@ class TestXML001:
             assert run.findings[0].severity == (Severity.ERROR if text else Severity.WARNING)
             assert run.findings[0].consequences.keys() == {"roslaunch", "ros2_launch"}
 
+    @pytest.mark.parametrize("text", ["#!/bin/sh\nexec 3<in\n", "#!/usr/bin/env python3\nimport os\n", "import os\n"])
+    def test_a_script_is_no_launch_file(self, tmp_path: Path, text: str) -> None:
+        (tmp_path / "case_py.launch").write_text(text)
+        (tmp_path / "car.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+        assert not check(tmp_path, codes={"XML001", "XML002"}).findings
+        (named,) = check(tmp_path / "case_py.launch", codes={"XML001", "XML002"}).findings
+        assert named.fix is not None
+        assert (named.message_id, named.fix.title.partition(" if ")[0]) == ("launch", "name it `.launch.py`")
+
     @pytest.mark.parametrize(
         ("text", "codes"),
         [
