@@ -48,7 +48,7 @@ def only(run: Run) -> list[Finding]:
         ("q", "check out its submodule: `git submodule update --init q`, and declare it in package.xml"),
         (
             "l",
-            "if it is in a submodule (l), check that out: `git submodule update --init`; otherwise correct the package",
+            "correct the package name, or declare it in package.xml; or check out a submodule that has it",
         ),
     ],
 )
