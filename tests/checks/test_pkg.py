@@ -746,6 +746,22 @@ def test_line_is_only_proposed_for_a_package_that_has_what_is_used(
     assert all(bool(f.fix and f.fix.edits) == (f.message_id == "undeclared") for f in found)
 
 
+@pytest.mark.parametrize(
+    ("uses", "name"),
+    [
+        (['"config", "a.yaml"'], "misnamed"),
+        (['"config", "a.yaml"', '"launch", "b.launch.py"'], "misnamed"),
+        (['"config", "lost.yaml"'], "unknown"),
+        (['"launch", "b.launch.py"'], "unknown"),  # many packages have a launch file of that name
+    ],
+)
+def test_the_texts_that_python_joins_are_one_path(tmp_path: Path, uses: list[str], name: str) -> None:
+    joined = ", ".join(f'PathJoinSubstitution([FindPackageShare("old"), {use}])' for use in uses)
+    write(tmp_path, {"package.xml": manifest(), "launch/a.launch.py": f"x = [{joined}]\n", "urdf/r.urdf": URDF})
+    write(tmp_path, {"config/a.yaml": "", "launch/b.launch.py": "", ".git/HEAD": ""})
+    assert [f.message_id for f in findings(tmp_path, "PKG007")] == [name]
+
+
 def test_a_package_for_the_other_ros_is_not_the_one_that_lacks_a_file(tmp_path: Path) -> None:
     launch = '<launch><param name="d" textfile="$(find q)/urdf/lost.urdf"/></launch>'
     write(tmp_path, {"p/package.xml": manifest(), "p/launch/a.launch": launch, "p/urdf/r.urdf": URDF})

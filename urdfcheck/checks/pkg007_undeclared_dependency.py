@@ -391,7 +391,7 @@ def _find_in_package(
             return None
         inside = f"{name}/"
     paths = [inside + use.subpath.strip("/") for use in uses if not use.subpath.endswith(_VIEW_SUFFIX)]
-    if any(path.endswith(_LAUNCH_SUFFIXES) for path in paths):  # many packages have a launch file of that name
+    if all(path.endswith(_LAUNCH_SUFFIXES) for path in paths):  # many packages have a launch file of that name
         return None
     if not paths or not all(path and "$" not in path and (package.path / path).is_file() for path in paths):
         return None
