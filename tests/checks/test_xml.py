@@ -612,10 +612,31 @@ class TestXML005:
         assert "delete" not in finding.fix.title  # an inertial needs its inertia
 
     @pytest.mark.parametrize(
+        ("shape", "wanted"),
+        [
+            ("<box><size>1 2  3</size></box>", '`size="1 2 3"`: the number is typed in child elements, as in SDF'),
+            (
+                "<cylinder><radius>1</radius><length>2</length></cylinder>",
+                '`radius="1" length="2"`: the numbers are typed in child elements, as in SDF',
+            ),
+            ("<cylinder><radius>1</radius></cylinder>", "the attributes radius, length"),
+            ("<box><size>1 2</size></box>", "the attribute size"),
+        ],
+    )
+    def test_numbers_of_child_elements_are_those_of_the_attributes(
+        self, tmp_path: Path, shape: str, wanted: str
+    ) -> None:
+        visual = f"<visual><geometry>{shape}</geometry></visual>"
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{visual}</link></robot>', "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title == f"write {wanted}"
+
+    @pytest.mark.parametrize(
         ("mass", "repair"),
         [
             ("<mass> 7.0 </mass>", 'write `value="7.0"`: the number is typed between the tags'),
             ("<mass/>", "write the attribute value"),
+            ("<mass><value>7.0</value></mass>", 'write `value="7.0"`: the number is typed in child elements, as in SDF'),
         ],
     )
     def test_a_number_between_the_tags_is_the_missing_one(self, tmp_path: Path, mass: str, repair: str) -> None:
