@@ -621,6 +621,21 @@ def test_a_name_without_the_dollar_sign_of_its_expression_needs_that(tmp_path: P
     assert finding.fix.title.startswith("write ${leg} instead of {leg} where xacro expands the file")
 
 
+@pytest.mark.parametrize(
+    ("names", "repair"),
+    [
+        (("west", "south"), "write j, k, which nothing names, if they are meant, delete the entries"),
+        (("west", "k"), "write j, which nothing names, if it is meant, delete the entries"),
+        (("west",), "write the joints of this robot, delete the entries"),
+    ],
+)
+def test_as_many_joints_as_are_unknown_may_be_meant(tmp_path: Path, names: tuple[str, ...], repair: str) -> None:
+    block = "".join(f'<joint name="{name}"/>' for name in names)
+    (finding,) = find(tmp_path, robot(ARM, f'<ros2_control name="c" type="system">{block}</ros2_control>'), "CTL001")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 def test_what_a_transmission_without_a_type_lacks_is_one_finding(tmp_path: Path) -> None:
     bare = '<transmission name="t"><joint name="joint"/><actuator name="m"/></transmission>'
     (finding,) = find(tmp_path, robot(ARM, bare.replace('"joint"', '"j"')), "CTL003")
