@@ -24,7 +24,8 @@ from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
-from urdfcheck.source.package.similar_files import add_checkout, propose_checkout
+from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
@@ -213,7 +214,18 @@ def _suggest_file(path: str, finder: PackageFinder) -> str:
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
+        only = _find_only_file(Path(path).name, finder)
+        if only is not None:
+            return f" (the only file of this name here is {format_path(only)})"
         return f"; the folder {format_path(folder)} does not exist either"
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
     return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)
+
+
+def _find_only_file(name: str, finder: PackageFinder) -> Path | None:
+    """Return the file with this name around the launch file, if there is one in the repository."""
+    found = [
+        path for path in index_files([find_project_folder(finder.start)]).get(name.lower(), ()) if path.name == name
+    ]
+    return found[0] if len(found) == 1 and finder.can_open(found[0]) else None
