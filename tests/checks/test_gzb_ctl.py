@@ -624,14 +624,16 @@ def test_a_name_without_the_dollar_sign_of_its_expression_needs_that(tmp_path: P
 @pytest.mark.parametrize(
     ("names", "repair"),
     [
-        (("west", "south"), "write j, k, which nothing names, if they are meant, delete the entries"),
-        (("west", "k"), "write j, which nothing names, if it is meant, delete the entries"),
-        (("west",), "write the joints of this robot, delete the entries"),
+        (("FLK", "FRK"), "write FL_KFE, FR_KFE for FLK, FRK, delete the entries"),
+        (("FLK", "FL_KFE"), "write the joints of this robot"),  # that of the other leg is left
+        (("FLK", "abad"), "write the joints of this robot"),
+        (("FLK",), "write the joints of this robot"),
     ],
 )
-def test_as_many_joints_as_are_unknown_may_be_meant(tmp_path: Path, names: tuple[str, ...], repair: str) -> None:
+def test_short_forms_of_the_joints_that_are_left_are_those(tmp_path: Path, names: tuple[str, ...], repair: str) -> None:
     block = "".join(f'<joint name="{name}"/>' for name in names)
-    (finding,) = find(tmp_path, robot(ARM, f'<ros2_control name="c" type="system">{block}</ros2_control>'), "CTL001")
+    legs = ARM.replace('name="j"', 'name="FL_KFE"').replace('name="k"', 'name="FR_KFE"')
+    (finding,) = find(tmp_path, robot(legs, f'<ros2_control name="c" type="system">{block}</ros2_control>'), "CTL001")
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
 

@@ -636,7 +636,10 @@ class TestXML005:
         [
             ("<mass> 7.0 </mass>", 'write `value="7.0"`: the number is typed between the tags'),
             ("<mass/>", "write the attribute value"),
-            ("<mass><value>7.0</value></mass>", 'write `value="7.0"`: the number is typed in child elements, as in SDF'),
+            (
+                "<mass><value>7.0</value></mass>",
+                'write `value="7.0"`: the number is typed in child elements, as in SDF',
+            ),
         ],
     )
     def test_a_number_between_the_tags_is_the_missing_one(self, tmp_path: Path, mass: str, repair: str) -> None:

@@ -76,7 +76,19 @@ def _describe_repair(tag: str, names: list[str], left: list[str]) -> str:
     if unfilled is not None and all(map(UNFILLED.search, names)):
         return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
     entries = "transmissions" if tag == "transmission" else "entries"
-    own = join_names(left) if len(left) == len(names) else ""
-    pronoun = "it is" if len(left) == 1 else "they are"
-    meant = f"write {own}, which nothing names, if {pronoun} meant" if own else "write the joints of this robot"
-    return f"{meant}, delete the {entries}, or move them to the part that has these joints"
+    meant = _pair_shortened_names(names, left)
+    own = f"write {join_names(meant)} for {join_names(names)}" if meant else "write the joints of this robot"
+    return f"{own}, delete the {entries}, or move them to the part that has these joints"
+
+
+def _pair_shortened_names(names: list[str], left: list[str]) -> list[str]:
+    """Return for each name the only joint left of which it is a short form, as FLK is of FL_KFE; nothing if one has none."""
+    pairs = [[joint for joint in left if _is_shortened(name, joint)] for name in names]
+    found = [joints[0] for joints in pairs if len(joints) == 1]
+    return found if len({*found}) == len(names) == len(left) else []
+
+
+def _is_shortened(short: str, name: str) -> bool:
+    """Whether the letters of a name are in another one, in their order."""
+    letters = iter(name.lower())
+    return all(letter in letters for letter in short.lower())
