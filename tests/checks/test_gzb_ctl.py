@@ -621,6 +621,23 @@ def test_a_name_without_the_dollar_sign_of_its_expression_needs_that(tmp_path: P
     assert finding.fix.title.startswith("write ${leg} instead of {leg} where xacro expands the file")
 
 
+@pytest.mark.parametrize(
+    ("names", "repair"),
+    [
+        (("FLK", "FRK"), "write FL_KFE, FR_KFE for FLK, FRK, delete the entries"),
+        (("FLK", "FL_KFE"), "write the joints of this robot"),  # that of the other leg is left
+        (("FLK", "abad"), "write the joints of this robot"),
+        (("FLK",), "write the joints of this robot"),
+    ],
+)
+def test_short_forms_of_the_joints_that_are_left_are_those(tmp_path: Path, names: tuple[str, ...], repair: str) -> None:
+    block = "".join(f'<joint name="{name}"/>' for name in names)
+    legs = ARM.replace('name="j"', 'name="FL_KFE"').replace('name="k"', 'name="FR_KFE"')
+    (finding,) = find(tmp_path, robot(legs, f'<ros2_control name="c" type="system">{block}</ros2_control>'), "CTL001")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 def test_what_a_transmission_without_a_type_lacks_is_one_finding(tmp_path: Path) -> None:
     bare = '<transmission name="t"><joint name="joint"/><actuator name="m"/></transmission>'
     (finding,) = find(tmp_path, robot(ARM, bare.replace('"joint"', '"j"')), "CTL003")

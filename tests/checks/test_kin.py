@@ -72,16 +72,23 @@ def test_a_loop_is_lost_only_if_the_tree_does_not_lead_into_it(tmp_path: Path, t
 
 
 @pytest.mark.parametrize(
-    ("root", "links", "repair"),
+    ("root", "links", "named", "repair"),
     [
-        ('<robot name="r"', "camera", "include camera.xacro from the robot that has base;"),
-        ('<robot name="r"', "camera table", 'name an existing link, or add `<link name="base"/>` and the joint'),
-        ("<robot", "camera table", "include camera.xacro from the robot that has base;"),
+        ('<robot name="r"', "camera", "base", "include camera.xacro from the robot that has base;"),
+        ('<robot name="r"', "camera", "trunk", "no other robot file here names base: write the link of the robot"),
+        (
+            '<robot name="r"',
+            "camera table",
+            "base",
+            'name an existing link, or add `<link name="base"/>` and the joint',
+        ),
+        ("<robot", "camera table", "base", "include camera.xacro from the robot that has base;"),
     ],
 )
 def test_a_part_is_to_be_included_and_a_robot_keeps_one_root(
-    tmp_path: Path, root: str, links: str, repair: str
+    tmp_path: Path, root: str, links: str, named: str, repair: str
 ) -> None:
+    (tmp_path / "car.urdf").write_text(f'<robot name="car"><link name="{named}"/></robot>')
     text = make_tree(links, "base camera").replace(
         '<robot name="r"', f'{root} xmlns:xacro="http://www.ros.org/wiki/xacro"'
     )

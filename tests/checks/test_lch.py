@@ -48,7 +48,7 @@ def only(run: Run) -> list[Finding]:
         ("q", "check out its submodule: `git submodule update --init q`, and declare it in package.xml"),
         (
             "l",
-            "if it is in a submodule (l), check that out: `git submodule update --init`; otherwise correct the package",
+            "correct the package name, or declare it in package.xml; or check out a submodule that has it",
         ),
     ],
 )
@@ -371,6 +371,25 @@ def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) 
     text = (tmp_path / "car" / "launch" / "car.launch").read_text()
     assert text[span.start : span.end] == "$(find car)/urdf/cars.urdf"
     assert "'car.urdf'" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("copies", "hint"),
+    [
+        (["models/arm/model.urdf"], " (the only file of this name here is "),
+        (["a/model.urdf", "b/model.urdf"], "; the folder "),
+    ],
+)
+def test_the_only_file_of_that_name_is_proposed(tmp_path: Path, copies: list[str], hint: str) -> None:
+    (tmp_path / ".git").mkdir()
+    for copy in copies:
+        place = tmp_path / "car" / copy
+        place.parent.mkdir(parents=True)
+        place.write_text('<robot name="r"><link name="a"/></robot>')
+    (finding,) = find_in_package(tmp_path, load("$(find car)/model/model.urdf"), "LCH001")
+    assert f"model.urdf, which does not exist{hint}" in finding.message
+    assert finding.fix is not None
+    assert ("models/arm/model.urdf" in finding.fix.title) == (len(copies) == 1)
 
 
 # -- LCH002 ------------------------------------------------------------------------------------------------------------

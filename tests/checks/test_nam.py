@@ -212,6 +212,23 @@ class TestNAM004:
         body += make_joint("j", "camera_link", "camera_optical", 'rpy="0 0 -1.5707963"')
         assert bool(find(tmp_path, robot(body), "NAM004")) is found
 
+    @pytest.mark.parametrize(
+        ("sensor", "frame", "count"),
+        [
+            ("depth_camera", "camera_optical", 0),
+            ("rgbd_camera", "camera_optical", 0),
+            ("rgbd_camera", "camera_link", 1),
+            ("camera", "camera_optical", 1),
+        ],
+    )
+    def test_a_frame_of_a_cloud_of_points_of_gazebo_is_not_turned(
+        self, tmp_path: Path, sensor: str, frame: str, count: int
+    ) -> None:
+        body = links("camera_link", "camera_optical") + make_joint("j", "camera_link", "camera_optical", "")
+        inside = f'<sensor name="s" type="{sensor}"><gz_frame_id>{frame}</gz_frame_id></sensor>'
+        body += f'<gazebo reference="camera_link">{inside}</gazebo>'
+        assert len(find(tmp_path, robot(body), "NAM004")) == count
+
     @pytest.mark.parametrize(("sensor", "count"), [("gyro", 0), ("accel", 0), ("imu", 0), ("depth", 1)])
     def test_an_inertial_sensor_has_no_picture(self, tmp_path: Path, sensor: str, count: int) -> None:
         parent, child = f"camera_{sensor}_frame", f"camera_{sensor}_optical_frame"

@@ -126,29 +126,49 @@ def test_package_that_the_expansion_needs(tmp_path: Path, depends: str, explicit
     assert run.models[0].status == "failed"
 
 
-@pytest.mark.parametrize("depends", ["", "q"])
+@pytest.mark.parametrize("depends", ["", "arms"])
 @pytest.mark.parametrize(
-    ("path", "held", "hint", "repair"),
+    ("path", "held", "hint", "begin", "end"),
     [
         (
-            "lib/q",
+            "lib/arms",
             "",
             " (its submodule is not checked out)",
-            "check out its submodule: `git submodule update --init lib/q`.",
+            "check out its submodule: `git submodule update --init lib/arms`.",
+            "",
         ),
-        ("lib", "", "", "if it is in a submodule (lib), check that out: `git submodule update --init`; otherwise "),
-        ("lib", "lib/README.md", "", ""),
-        ("../q", "", "", ""),  # out of reach
+        ("arms_ros", "", "", "if it is in a submodule (arms_ros), check that out: `git submodule update --init`;", ""),
+        ("lib", "", "", "", "; or check out a submodule that has it: `git submodule update --init` (lib)"),
+        ("lib", "lib/README.md", "", "", ""),
+        ("../arms", "", "", "", ""),  # out of reach
     ],
 )
 def test_a_package_may_be_in_a_submodule_that_is_not_checked_out(
-    tmp_path: Path, depends: str, path: str, held: str, hint: str, repair: str
+    tmp_path: Path, depends: str, path: str, held: str, hint: str, begin: str, end: str
 ) -> None:
     write(tmp_path, {".gitmodules": f'[submodule "q"]\n\tpath = {path}\n\turl = u\n', **({held: ""} if held else {})})
-    finding = only(audit(package(tmp_path, depends=depends), make_mesh_link("a", "package://q/a.stl")))
+    finding = only(audit(package(tmp_path, depends=depends), make_mesh_link("a", "package://arms/a.stl")))
     assert finding.fix is not None
-    assert f"package q is not {'installed here' if depends else 'found'}{hint}, " in finding.message
-    assert finding.fix.title.startswith(repair or ("install" if depends else "correct"))
+    assert f"package arms is not {'installed here' if depends else 'found'}{hint}, " in finding.message
+    assert finding.fix.title.startswith(begin or ("install" if depends else "correct"))
+    assert end in finding.fix.title
+    assert ("submodule" in finding.fix.title) == bool(begin or end)
+
+
+def test_the_address_of_a_submodule_may_say_what_it_is(tmp_path: Path) -> None:
+    first = '[submodule "a"]\n\tpath = lib/a\n\turl = https://h/u/b.git\n'
+    write(tmp_path, {".gitmodules": f'{first}[submodule "x"]\n\tpath = x\n\turl = git@h:u/arms.git\n'})
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "package://arms_description/a.stl")))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("if it is in a submodule (x), check that out")
+
+
+def test_a_released_package_is_declared(tmp_path: Path) -> None:
+    write(tmp_path, {".gitmodules": '[submodule "q"]\n\tpath = lib\n\turl = u\n'})
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/a.stl")))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("declare it in package.xml and install it, or pass `--package ur_description")
+    assert "submodule" not in finding.fix.title
 
 
 def test_visual_and_collision_of_one_missing_file_are_one_finding(tmp_path: Path) -> None:
@@ -590,12 +610,12 @@ def test_a_launch_file_of_ros_1_needs_nothing_in_a_package_of_ros_2(
 def test_a_package_that_is_not_found_may_be_in_a_submodule(tmp_path: Path) -> None:
     launch = '<launch><include file="$(find arm5)/a.launch"/></launch>'
     write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch, ".git/HEAD": ""})
-    write(tmp_path, {".gitmodules": '[submodule "arms"]\n\tpath = arms\n'})
+    write(tmp_path, {".gitmodules": '[submodule "arm"]\n\tpath = arm\n[submodule "b"]\n\tpath = cmake\n'})
     (finding,) = findings(tmp_path, "PKG007")
     assert "neither what is checked out of the repository nor a ROS distribution" in finding.message
     assert finding.fix is not None
     assert finding.fix.title == (
-        "declare it if it is in a submodule that is not checked out (arms) or elsewhere: `<exec_depend>arm5</exec_depend>`; "
+        "declare it if it is in a submodule that is not checked out (arm) or elsewhere: `<exec_depend>arm5</exec_depend>`; "
         "correct an old name"
     )
 
@@ -724,6 +744,22 @@ def test_line_is_only_proposed_for_a_package_that_has_what_is_used(
     found = [f for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
     assert [f.message_id for f in found] == [expected]
     assert all(bool(f.fix and f.fix.edits) == (f.message_id == "undeclared") for f in found)
+
+
+@pytest.mark.parametrize(
+    ("uses", "name"),
+    [
+        (['"config", "a.yaml"'], "misnamed"),
+        (['"config", "a.yaml"', '"launch", "b.launch.py"'], "misnamed"),
+        (['"config", "lost.yaml"'], "unknown"),
+        (['"launch", "b.launch.py"'], "unknown"),  # many packages have a launch file of that name
+    ],
+)
+def test_the_texts_that_python_joins_are_one_path(tmp_path: Path, uses: list[str], name: str) -> None:
+    joined = ", ".join(f'PathJoinSubstitution([FindPackageShare("old"), {use}])' for use in uses)
+    write(tmp_path, {"package.xml": manifest(), "launch/a.launch.py": f"x = [{joined}]\n", "urdf/r.urdf": URDF})
+    write(tmp_path, {"config/a.yaml": "", "launch/b.launch.py": "", ".git/HEAD": ""})
+    assert [f.message_id for f in findings(tmp_path, "PKG007")] == [name]
 
 
 def test_a_package_for_the_other_ros_is_not_the_one_that_lacks_a_file(tmp_path: Path) -> None:

@@ -264,6 +264,29 @@ def test_a_file_that_is_on_one_machine_only_has_its_place_in_the_package(tmp_pat
     assert f"write `{path}`" in finding.fix.title
 
 
+@pytest.mark.parametrize(
+    ("there", "repair"),
+    [
+        (
+            ("meshes/b.stl",),
+            "write `package://p/meshes/b.stl`, and the others likewise: the package has them, except a.stl, which must be added",
+        ),
+        ((), "move the file into the model's package and write `package://p/meshes/a.stl`, and the others likewise"),
+    ],
+)
+def test_an_installed_path_says_the_name_of_the_package(tmp_path: Path, there: tuple[str, ...], repair: str) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "p/package.xml", text='<package format="3"><name>p</name></package>')
+    write(tmp_path, *(f"p/{name}" for name in there))
+    base = "/home/ann/ws/install/p/share/p/meshes"
+    shapes = visual(mesh(f"{base}/a.stl")) + visual(mesh(f"{base}/b.stl"))
+    write(tmp_path, "p/urdf/r.urdf", text=f'<robot name="r">{link("l", shapes)}</robot>')
+    (finding,) = check(tmp_path / "p/urdf/r.urdf", codes={"PKG004"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert not finding.fix.edits
+
+
 @pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])
 def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
     tmp_path: Path, place: str, told: bool

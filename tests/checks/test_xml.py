@@ -74,6 +74,15 @@ class TestXML001:
             assert run.findings[0].severity == (Severity.ERROR if text else Severity.WARNING)
             assert run.findings[0].consequences.keys() == {"roslaunch", "ros2_launch"}
 
+    @pytest.mark.parametrize("text", ["#!/bin/sh\nexec 3<in\n", "#!/usr/bin/env python3\nimport os\n", "import os\n"])
+    def test_a_script_is_no_launch_file(self, tmp_path: Path, text: str) -> None:
+        (tmp_path / "case_py.launch").write_text(text)
+        (tmp_path / "car.urdf").write_text('<robot name="r"><link name="a"/></robot>')
+        assert not check(tmp_path, codes={"XML001", "XML002"}).findings
+        (named,) = check(tmp_path / "case_py.launch", codes={"XML001", "XML002"}).findings
+        assert named.fix is not None
+        assert (named.message_id, named.fix.title.partition(" if ")[0]) == ("launch", "name it `.launch.py`")
+
     @pytest.mark.parametrize(
         ("text", "codes"),
         [
@@ -603,10 +612,34 @@ class TestXML005:
         assert "delete" not in finding.fix.title  # an inertial needs its inertia
 
     @pytest.mark.parametrize(
+        ("shape", "wanted"),
+        [
+            ("<box><size>1 2  3</size></box>", '`size="1 2 3"`: the number is typed in child elements, as in SDF'),
+            (
+                "<cylinder><radius>1</radius><length>2</length></cylinder>",
+                '`radius="1" length="2"`: the numbers are typed in child elements, as in SDF',
+            ),
+            ("<cylinder><radius>1</radius></cylinder>", "the attributes radius, length"),
+            ("<box><size>1 2</size></box>", "the attribute size"),
+        ],
+    )
+    def test_numbers_of_child_elements_are_those_of_the_attributes(
+        self, tmp_path: Path, shape: str, wanted: str
+    ) -> None:
+        visual = f"<visual><geometry>{shape}</geometry></visual>"
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{visual}</link></robot>', "XML005")
+        assert finding.fix is not None
+        assert finding.fix.title == f"write {wanted}"
+
+    @pytest.mark.parametrize(
         ("mass", "repair"),
         [
             ("<mass> 7.0 </mass>", 'write `value="7.0"`: the number is typed between the tags'),
             ("<mass/>", "write the attribute value"),
+            (
+                "<mass><value>7.0</value></mass>",
+                'write `value="7.0"`: the number is typed in child elements, as in SDF',
+            ),
         ],
     )
     def test_a_number_between_the_tags_is_the_missing_one(self, tmp_path: Path, mass: str, repair: str) -> None:

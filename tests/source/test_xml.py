@@ -292,6 +292,7 @@ def test_nesting_ends_at_a_limit() -> None:
         ("<robot>é\x01</robot>", "the character U+0001 is not allowed in XML", 1, 9),
         ("<robot>]]></robot>", "text may not contain `]]>`", 1, 8),
         (" \ufeff<robot/>", "a byte order mark is inside the file", 1, 2),
+        ("#!a\n", "there is no XML element", 1, 1),
         ("é<robot/>", "there is text before the root element", 1, 1),
         ("\n<?xml version='1.0'?><robot/>", "is not at the start of the file: an empty line precedes it", 2, 1),
         ("<!-- --><?xml version='1.0'?><robot/>", "is not at the start of the file: a comment precedes it", 1, 9),

@@ -18,6 +18,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for tag in ("ros2_control", "transmission"):
         severity = Severity.WARNING if tag == "transmission" and not reads_transmissions(model) else None
         foreign: list[Attribute] = []
+        taken: set[str] = set()
         free = model.joint_by_name.keys() - _collect_named_joints(model, tag)
         for block in model.robot.find_children(tag):
             for element in block.walk():
@@ -29,6 +30,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     foreign.append(name)
                     continue
                 meant = find_only_near_name(name.value, free, SLIP_LIKENESS)
+                taken |= {meant or ""}
                 yield rule.finding(
                     tag,
                     at=name,
@@ -40,7 +42,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     near=hint,
                 )
         if foreign:
-            yield _build_foreign_finding(rule, tag, foreign, severity=severity)
+            left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
+            yield _build_foreign_finding(rule, tag, foreign, left, severity=severity)
 
 
 def _collect_named_joints(model: Model, tag: str) -> set[str]:
@@ -49,7 +52,9 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
     return {element.get("name") for block in blocks for element in block.walk() if element.tag == "joint"}
 
 
-def _build_foreign_finding(rule: Rule, tag: str, names: list[Attribute], *, severity: Severity | None) -> Finding:
+def _build_foreign_finding(
+    rule: Rule, tag: str, names: list[Attribute], left: list[str], *, severity: Severity | None
+) -> Finding:
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     typed = list(dict.fromkeys(name.value for name in names))
@@ -60,14 +65,30 @@ def _build_foreign_finding(rule: Rule, tag: str, names: list[Attribute], *, seve
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
-        repair=_describe_repair(tag, typed),
+        repair=_describe_repair(tag, typed, left),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
 
 
-def _describe_repair(tag: str, names: list[str]) -> str:
+def _describe_repair(tag: str, names: list[str], left: list[str]) -> str:
+    """Say what to write for names unlike any of the robot's. ``left``: its joints that no block names."""
     unfilled = UNFILLED.search(names[0])
     if unfilled is not None and all(map(UNFILLED.search, names)):
         return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
     entries = "transmissions" if tag == "transmission" else "entries"
-    return f"write the joints of this robot, delete the {entries}, or move them to the part that has these joints"
+    meant = _pair_shortened_names(names, left)
+    own = f"write {join_names(meant)} for {join_names(names)}" if meant else "write the joints of this robot"
+    return f"{own}, delete the {entries}, or move them to the part that has these joints"
+
+
+def _pair_shortened_names(names: list[str], left: list[str]) -> list[str]:
+    """Return for each name the only joint left of which it is a short form, as FLK is of FL_KFE; nothing if one has none."""
+    pairs = [[joint for joint in left if _is_shortened(name, joint)] for name in names]
+    found = [joints[0] for joints in pairs if len(joints) == 1]
+    return found if len({*found}) == len(names) == len(left) else []
+
+
+def _is_shortened(short: str, name: str) -> bool:
+    """Whether the letters of a name are in another one, in their order."""
+    letters = iter(name.lower())
+    return all(letter in letters for letter in short.lower())

@@ -19,6 +19,11 @@ _ADDING = 'add `<link name="{called}"/>`, or name an existing link'
 # Beside a root, the link alone would be a second one.
 _CARRYING = 'name an existing link, or add `<link name="{called}"/>` and the joint that carries it'
 _ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
+# Where no other file names the link, its robot is not known.
+_LEFT_OVER = (
+    "no other robot file here names {called}: write the link of the robot that includes {file}, or delete the file if it is left "
+    'over; to load it alone, add `<link name="{called}"/>` there'
+)
 
 # Drake has a body of this name, which a file need not declare.
 _WORLD = {"world": {"drake": "loads it: the name is that of its world body"}}
@@ -88,13 +93,20 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         has_root = _has_root(model, graph)
         # What a xacro file without a root or without a name hangs on is in the file that includes it.
         is_part = model.source.is_xacro and not is_child and (not has_root or "name" not in model.robot.attributes)
-        template = _ADDING if is_child else _ATTACHING if is_part else _CARRYING if has_root else _ADDING
+        alone = _CARRYING if has_root and not is_child else _ADDING
+        template = _choose_attachment(model, called) if is_part else alone
         data["repair"] = template.format(called=data["called"], file=Path(model.source.name).name)
         finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
     else:
         edits = edit_values((attribute, near) for attribute in attributes)
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _choose_attachment(model: Model, called: str) -> str:
+    from urdfcheck.model.likeness.whole_models import is_named_elsewhere  # loaded only for such a file
+
+    return _ATTACHING if is_named_elsewhere(model, called) else _LEFT_OVER
 
 
 def _describe_places(places: list[tuple[Joint, Attribute]]) -> str:

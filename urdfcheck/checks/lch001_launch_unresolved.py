@@ -24,7 +24,8 @@ from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
-from urdfcheck.source.package.similar_files import propose_checkout
+from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
@@ -70,23 +71,23 @@ def _check_description(
     path = _find_launch_file(description, launch)
     if obstacle.kind == "package":
         package = launch.finder.find_package_of(path.absolute())
-        checkout, is_submodule = propose_checkout(obstacle.name, launch.finder)
+        checkout = propose_checkout(obstacle.name, launch.finder)
         if _is_in_rosbuild_package(description.file, launch.finder):
             yield build_unknown(f"rosbuild finds package {obstacle.name!r} only in a folder of this name")
         elif package is None or obstacle.name not in package.dependencies:
             near = _format_suggestions(_suggest_packages(launch, description, obstacle.name, package))
             repair = f"correct the package name{near}, or declare it in package.xml"
-            if is_submodule:
+            if checkout:
                 near, repair = " (its submodule is not checked out)", f"{checkout}, and declare it in package.xml"
-            elif checkout:
-                repair = f"{checkout}; otherwise {repair}"
+            else:
+                repair = add_checkout(repair, obstacle.name, launch.finder)
             yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near, repair=repair)
         else:
             yield build_unknown(
                 f"the submodule of package {obstacle.name!r} is not checked out"
-                if is_submodule
+                if checkout
                 else f"package {obstacle.name!r} is not installed here",
-                repair=checkout if is_submodule else "install the package, or run urdfcheck on the model file",
+                repair=checkout or "install the package, or run urdfcheck on the model file",
             )
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
@@ -213,7 +214,18 @@ def _suggest_file(path: str, finder: PackageFinder) -> str:
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
+        only = _find_only_file(Path(path).name, finder)
+        if only is not None:
+            return f" (the only file of this name here is {format_path(only)})"
         return f"; the folder {format_path(folder)} does not exist either"
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
     return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)
+
+
+def _find_only_file(name: str, finder: PackageFinder) -> Path | None:
+    """Return the file with this name around the launch file, if there is one in the repository."""
+    found = [
+        path for path in index_files([find_project_folder(finder.start)]).get(name.lower(), ()) if path.name == name
+    ]
+    return found[0] if len(found) == 1 and finder.can_open(found[0]) else None

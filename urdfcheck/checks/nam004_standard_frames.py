@@ -19,6 +19,9 @@ from urdfcheck.source.text.values import parse_number
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+# The sensors of Gazebo that make clouds of points, and the elements that name their frame.
+_CLOUD_TYPE = re.compile(r"^(?:depth_camera|rgbd(?:_camera)?)$")
+_STAMPING_TAGS = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id"})
 # Frames of inertial sensors in cameras, which drivers give the word too: no picture is in them.
 _INERTIAL = re.compile(r"(?:^|_)(?:accel|gyro|imu)(?:_|$)", re.IGNORECASE)
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -116,6 +119,7 @@ def _measure_angle(one: np.ndarray, other: np.ndarray) -> float:
 def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:
     """Report all optical frames with one wrong rotation together: they come from one habit."""
     posed = {s.reference for s in list_sensors(model) if CAMERA_TYPE.search(s.type) and _has_rotated_pose(s)}
+    stamped = _collect_cloud_frames(model)
     wrong: dict[tuple[int, ...], tuple[np.ndarray, list[Joint]]] = {}
     for joint in model.joints:
         matrix = joint.origin.matrix
@@ -124,6 +128,8 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
         if joint.parent in posed or joint.child in posed:
             continue  # the camera looks elsewhere than along the x axis of its link, and so may the frame
         rotation = matrix[:3, :3]
+        if joint.child in stamped and _measure_rotation_angle(rotation) <= tol:
+            continue
         if _measure_rotation_angle(rotation @ _OPTICAL.T) > tol and not _is_optical_in_root(model, joint, tol):
             key = tuple(np.round(rotation * 1e3).astype(int).ravel())
             wrong.setdefault(key, (rotation, []))[1].append(joint)
@@ -145,6 +151,12 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             typed=join_numbers(joints[0].origin.rpy or (), separator=" "),
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
+
+
+def _collect_cloud_frames(model: Model) -> set[str]:
+    """Return the frames with which Gazebo stamps clouds of points: their x is forward, so a turned frame would turn them."""
+    cameras = (sensor.element for sensor in list_sensors(model) if _CLOUD_TYPE.search(sensor.type))
+    return {child.text.strip() for camera in cameras for child in camera.children if child.tag in _STAMPING_TAGS}
 
 
 def _has_rotated_pose(sensor: GazeboSensor) -> bool:

@@ -12,7 +12,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import index_files, propose_checkout
+from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.project_folders import is_part_of_robot
 from urdfcheck.source.resources import (
@@ -61,11 +61,11 @@ def _build_finding(
     owners = _find_package_with_files(uses, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
-    checkout, is_submodule = ("", False) if here or not package else propose_checkout(package, source.finder)
+    checkout = "" if here or not package else propose_checkout(package, source.finder)
     kind = "rosbuild" if _has_rosbuild_name(here, package) else "files" if uses else "expansion"
     near = (
         []
-        if declared or here or is_submodule
+        if declared or here or checkout
         else owners or source.finder.suggest_names(package, _list_wanted_files(package, uses, at, source))
     )
     evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if owners and package else ""
@@ -76,13 +76,9 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
-    repair = _describe_repair(package, here, source, declared=declared)
-    if is_submodule:
-        repair = checkout
-    elif (
-        checkout and not near and not (declared and package in read_released_packages())
-    ):  # a released one is installed
-        repair = f"{checkout}; otherwise {repair}"
+    repair = checkout or _describe_repair(package, here, source, declared=declared)
+    if package and not (checkout or here or near or (declared and package in read_released_packages())):
+        repair = add_checkout(repair, package, source.finder)
     return rule.finding(
         message,
         at=at,
@@ -107,7 +103,7 @@ def _build_finding(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
             else " (its submodule is not checked out)"
-            if is_submodule
+            if checkout
             else ""
             if declared
             else _describe_own_files(source, files, here)
@@ -193,6 +189,8 @@ def _describe_repair(package: str, here: Mapping[str, Path], source: Source, *, 
         return f"the package's name is missing before {package}: write `package://NAME/{package}/…`, or a path from this file"
     if declared:
         return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`"
+    if source.package is not None and package in read_released_packages():
+        return f"declare it in package.xml and install it, or pass `--package {shlex.quote(package)}=FOLDER`"
     declare = "declare it in package.xml or " if source.package is not None else ""
     return f"correct the name; if the package is only missing here, {declare}pass `--package {shlex.quote(package)}=FOLDER`"
 

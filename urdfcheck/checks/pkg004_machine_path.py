@@ -147,7 +147,12 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         others = ", and the others likewise" if len(set(paths)) > 1 else ""
         owner = "the package has the file" if paths[0].startswith("package://") else "the file is there"
         return f"write `{paths[0]}`{others}: {owner}"
-    repair = f"move the file into the model's package and write `{_format_future_path(place.uses, source)}`"
+    future = [_find_future_path(use, source) for use in place.uses]
+    if paths and None not in future:
+        lacking = [str(path) for path, here in zip(future, portable, strict=True) if here is None]
+        names = join_names(list(dict.fromkeys(path.rpartition("/")[2] for path in lacking)), 3)
+        return f"write `{paths[0]}`, and the others likewise: the package has them, except {names}, which must be added"
+    repair = f"move the file into the model's package and write {_format_future_path(future, place.uses, source)}"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:
         others = ", and the others likewise" if len(namesakes) > 1 else ""
@@ -156,15 +161,25 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     return f"{repair}; if you trust the place, allow its folder: --allow-read DIR" if message == "unread" else repair
 
 
-def _format_future_path(uses: Sequence[ResourceUse], source: Source) -> str:
-    """Return the package path of a file once it is in the model's package: as the typed path has it behind the package's name."""
-    path, package = uses[0].resource.path, source.package
-    if path is None or package is None or len({use.resource.text for use in uses}) > 1:
-        return "package://PACKAGE/meshes/FILE"
+def _find_future_path(use: ResourceUse, source: Source) -> str | None:
+    """Return the package path of a file once it is in the model's package: what the typed path has behind its name."""
+    path, package = use.resource.path, source.package
+    if path is None or package is None:
+        return None
     parts = path.as_posix().replace("\\", "/").split("/")
     before = [index for index, part in enumerate(parts[:-1]) if part == package.name]
-    inside = "/".join(parts[before[-1] + 1 :]) if before else f"meshes/{parts[-1]}"
-    return f"package://{package.name}/{inside}"
+    return f"package://{package.name}/{'/'.join(parts[before[-1] + 1 :])}" if before else None
+
+
+def _format_future_path(future: Sequence[str | None], uses: Sequence[ResourceUse], source: Source) -> str:
+    """Return what to write for the first file once it is in the model's package."""
+    package, path = source.package, uses[0].resource.path
+    if package is None or path is None:
+        return "`package://PACKAGE/meshes/FILE`"
+    several = len({use.resource.text for use in uses}) > 1
+    if future[0] is not None and None not in future:
+        return f"`{future[0]}`" + (", and the others likewise" if several else "")
+    return f"`package://{package.name}/meshes/{'FILE' if several else path.name}`"
 
 
 def _propose_edits(place: _MachinePath, portable: Sequence[str | None]) -> list[Edit]:

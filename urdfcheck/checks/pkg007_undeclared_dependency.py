@@ -25,7 +25,7 @@ from urdfcheck.source.package.references import (
     read_package_contents,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import list_missing_submodules
+from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
@@ -162,7 +162,7 @@ def _build_finding(
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
-    missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else []
+    missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
     is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses))
     finding = rule.finding(
         message,
@@ -184,7 +184,7 @@ def _build_finding(
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
         checked_out="what is checked out of the repository" if missing_modules else "the repository",
-        unfound=_describe_unfound(names, tags, missing_modules),
+        unfound=_describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
     return replace(
@@ -391,7 +391,7 @@ def _find_in_package(
             return None
         inside = f"{name}/"
     paths = [inside + use.subpath.strip("/") for use in uses if not use.subpath.endswith(_VIEW_SUFFIX)]
-    if any(path.endswith(_LAUNCH_SUFFIXES) for path in paths):  # many packages have a launch file of that name
+    if all(path.endswith(_LAUNCH_SUFFIXES) for path in paths):  # many packages have a launch file of that name
         return None
     if not paths or not all(path and "$" not in path and (package.path / path).is_file() for path in paths):
         return None

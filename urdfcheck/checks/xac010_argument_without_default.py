@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Location, Rule, Span
 from urdfcheck.core.text import format_argument_option, format_choices
 from urdfcheck.source.load import Source, locate_expression
-from urdfcheck.source.xacro.usage import find_unprefixed_tags, iter_elements_by_tag
+from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
@@ -31,7 +31,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
             argument=name,
             missing=missing,
-            options=options,
+            repair=_describe_repair(source, at, name, options, is_declared=bool(declared)),
             remedy=options,
             choices=format_choices(known.get(name, ())),
             default=declared[0].get("default") if declared else "",
@@ -39,6 +39,38 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
         )
+
+
+def _describe_repair(source: Source, at: Location, name: str, options: str, *, is_declared: bool) -> str:
+    """Say which value to give; in a macro that has a parameter of this name, that one was meant."""
+    macro = _find_macro_with_parameter(source, at, name)
+    if macro is not None:
+        return f"write `${{{name}}}`: {name} is a parameter of the macro {macro} around it, and not an argument of the file"
+    give = f"give a value: `{options}`; or declare"
+    if is_declared:
+        limit = "in attributes of `<robot>`, where that is impossible, write a fixed name"
+        return f"{give} `<xacro:arg>` before the first use; {limit}"
+    return f'{give} a default before the first use: `<xacro:arg name="{name}" default="…"/>`'
+
+
+def _find_macro_with_parameter(source: Source, at: Location, name: str) -> str | None:
+    """Return the macro with a parameter of this name in whose content a place is."""
+    for macro in collect_macros(source.trees).values():
+        inside = (element for child in macro.element.children for element in child.walk())
+        spans = (attribute.span for element in inside for attribute in element.attributes.values())
+        if name in macro.parameters and any(_is_within(at.span, span) for span in spans):
+            return macro.name
+    return None
+
+
+def _is_within(inner: Span | None, outer: Span | None) -> bool:
+    return (
+        inner is not None
+        and outer is not None
+        and inner.file == outer.file
+        and outer.start <= inner.start
+        and inner.end <= outer.end
+    )
 
 
 def _find_undeclared_arguments(source: Source) -> list[str]:

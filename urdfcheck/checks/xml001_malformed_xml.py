@@ -23,6 +23,9 @@ _KINDS = (
 _MISREAD = ("misdeclared", "undecoded")
 _REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
 _REPAIR_OF_EMPTY = "write its content, or delete the file"
+_REPAIR_OF_SCRIPT = (
+    "name it `.launch.py` if `ros2 launch` starts it; no program reads it as a launch file under this name"
+)
 _REPAIR_OF_UNREADABLE = "check the file name and its read permission"
 _REPAIR_OF_UNREACHABLE = (
     "where the file is named, write its place in a package (`$(find PACKAGE)/…`); if the place is right and you trust it, "
@@ -44,6 +47,10 @@ def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Fin
     elif isinstance(subject, LaunchContext):
         launch = subject.launch
         yield from _check_companion_file(rule, "launch", problems=launch.problems, files=launch.files)
+        # In a folder it is not meant for roslaunch; where it is named, nothing would be checked.
+        for problem in launch.problems if subject.is_explicit else ():
+            if problem.kind == "script":
+                yield rule.finding("launch", at=problem.location, error="it is a script", repair=_REPAIR_OF_SCRIPT)
     else:
         files = {} if subject.file is None else {subject.file.name: subject.file}
         yield from _check_companion_file(rule, "manifest", problems=subject.problems, files=files)

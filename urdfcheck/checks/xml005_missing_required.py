@@ -122,10 +122,26 @@ def _describe_wanted(element: Element, missing: Sequence[str]) -> str:
         return f"{zeros} if the axes of the inertial are the part's principal axes, else its products of inertia"
     if len(missing) == 1 and parse_numbers(element.text, NUMERIC_ATTRIBUTES.get(element.tag, {}).get(missing[0], 0)):
         return f'`{missing[0]}="{" ".join(element.text.split())}"`: the number is typed between the tags'
+    inside = _read_children(element, missing)
+    if inside is not None:
+        as_typed = "the number is typed" if len(missing) == 1 else "the numbers are typed"
+        return f"`{inside}`: {as_typed} in child elements, as in SDF"
     noun = "attributes" if len(missing) > 1 else "attribute"
     return f"the {noun} {', '.join(missing)}" + (
         f", or delete the <{element.tag}>" if element.tag in _DELETABLE else ""
     )
+
+
+def _read_children(element: Element, missing: Sequence[str]) -> str | None:
+    """Return the attributes that are missing with the numbers of the child elements of their names; None unless all have them."""
+    attributes = []
+    for name in missing:
+        child = element.find_child(name)
+        count = NUMERIC_ATTRIBUTES.get(element.tag, {}).get(name, 0)
+        if child is None or not parse_numbers(child.text, count):
+            return None
+        attributes.append(f'{name}="{" ".join(child.text.split())}"')
+    return " ".join(attributes)
 
 
 def _describe_consequences(element: Element, *missing: str) -> dict[str, str]:

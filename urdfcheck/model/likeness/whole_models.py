@@ -43,6 +43,18 @@ def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
     return None
 
 
+def is_named_elsewhere(model: Model, link: str) -> bool:
+    """Whether another robot file of the repository names this link, so that its robot is probably known there."""
+    for path in islice(_iter_robot_files(model), _MOST_FILES):
+        try:
+            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+        except OSError:
+            continue
+        if f'"{link}"' in text or f"'{link}'" in text:
+            return True
+    return False
+
+
 def _iter_robot_files(model: Model) -> Iterator[Path]:
     """Yield the robot files of the repository around a model, or of its package, that the model does not use itself."""
     source = model.source

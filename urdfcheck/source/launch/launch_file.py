@@ -6,6 +6,7 @@ launch files, see :mod:`urdfcheck.source.launch.python_launch_file`.
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -15,13 +16,14 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.built_files import may_be_built
-from urdfcheck.source.launch.python_launch_file import PythonLaunch, read_python_launch
+from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
+from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular
 
@@ -141,6 +143,16 @@ def _read_text(path: Path) -> str:
         return ""
 
 
+def _is_script(text: str) -> bool:
+    """Whether what is not XML is a program: a line says what runs it, or it is Python."""
+    if text.startswith("#!"):
+        return True
+    if text.lstrip()[:1] == "<" or len(text) > MAX_PYTHON:
+        return False
+    tree = parse_python(text)
+    return tree is not None and any(isinstance(s, (ast.Import, ast.ImportFrom, ast.FunctionDef)) for s in tree.body)
+
+
 def load_launch(path: Path, finder: PackageFinder) -> Launch:
     """Read a launch file. A defect of the file becomes a problem of the result, never an exception."""
     if path.suffix == ".py":
@@ -153,13 +165,16 @@ def load_launch(path: Path, finder: PackageFinder) -> Launch:
         files[name] = source
         root = parse_xml(source)
     except (OSError, XmlError) as error:
+        problem = Problem.from_read_error(error, "launch", name)
+        if name in files and _is_script(files[name].text):
+            problem = replace(problem, kind="script")
         return Launch(
             path=path,
             name=name,
             dialect="ros1",
             root=None,
             files=files,
-            problems=(Problem.from_read_error(error, "launch", name),),
+            problems=(problem,),
             descriptions=(),
             transforms=(),
             finder=finder,

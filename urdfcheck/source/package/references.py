@@ -61,8 +61,10 @@ _STARTED = re.compile(
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.py")
 # What Python may print.
 _TOLD = re.compile(r"package://|\$\(find")
-# The first path that Python joins to a package's folder, and the name that it assigns the folder to before.
-_JOINED = r"""\s*(?:,|/|\+)\s*f?['"]/?([^'"{}]*)['"]"""
+# The paths that Python joins to a package's folder in a row, and the name that it assigns the folder to before.
+_QUOTED = r"""f?['"][^'"{}]*['"]"""
+_JOINED = rf"(?P<joined>\s*(?P<by>,|/|\+)\s*{_QUOTED}(?:\s*(?P=by)\s*{_QUOTED})*)(?P<more>\s*(?P=by)\s*[\w('\"])?"
+_TYPED = re.compile(r"""['"]([^'"]*)['"]""")
 _AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
 _ASSIGNED = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(?:[\w.]+\([ \t]*)?$")
 
@@ -291,10 +293,18 @@ def _find_joined_paths(text: str, match: re.Match[str], searched: int) -> list[s
     joined = _AT_ONCE.match(text, match.end())
     line = text.rfind("\n", 0, match.start()) + 1
     assigned = _ASSIGNED.match(text[line : match.start()]) if match.start() - line < _LONGEST_LINE else None
-    paths = [] if joined is None else [joined.group(1)]
+    joins = [] if joined is None else [joined]
     if assigned is not None and searched <= _MOST_NAMES:
-        paths += re.findall(rf"\b{assigned.group(1)}{_JOINED}", text)
-    return [f"/{inside}" if "/" in inside else f"/{inside}/" for inside in paths] or [""]
+        joins += re.finditer(rf"\b{assigned.group(1)}{_JOINED}", text)
+    return [_join_typed(join["joined"], is_part=join["more"] is not None) for join in joins] or [""]
+
+
+def _join_typed(joined: str, *, is_part: bool) -> str:
+    """Return the path of texts that are joined; with a slash at its end where more may follow, or it is a single name."""
+    typed = _TYPED.findall(joined)
+    inside = "/".join(filter(None, (part.strip("/") for part in typed)))
+    is_open = typed[-1].endswith("/") or "/" not in inside or (is_part and "." not in typed[-1])
+    return f"/{inside}/" if is_open and inside else f"/{inside}"
 
 
 def _remove_comments(text: str, suffix: str) -> str:

@@ -14,6 +14,7 @@ from urdfcheck.core.text import SLIP_LIKENESS, join_names, split_name_words
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.setup_py_installs import read_package_data
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.python import parse_python
@@ -35,6 +36,13 @@ _MACRO = re.compile(r"<(?:xacro:)?macro\s[^<>]*?\bname\s*=\s*[\"'](?:xacro:)?(\w
 _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 # The folder of a submodule in .gitmodules, of which so much is read.
 _SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
+_ADDRESS = re.compile(r"(?m)^[ \t]*url[ \t]*=[ \t]*(\S.*?)[ \t\r]*$")
+# Words of names; those that packages of all robots have.
+_WORD = re.compile(r"[a-z]{3,}")
+_WORDS_OF_MANY = frozenset({
+    "bringup", "cmake", "common", "config", "control", "demo", "description", "gazebo", "interface", "launch", "model", "models",
+    "moveit", "msgs", "package", "packages", "pkg", "robot", "robots", "ros", "simulation", "src", "support", "tools",
+})  # fmt: skip
 
 
 def index_files(roots: Iterable[Path]) -> FilesByName:
@@ -157,35 +165,49 @@ def _count_like_parts(one: Sequence[str], other: Sequence[str]) -> int:
     return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
-def propose_checkout(package: str, finder: PackageFinder) -> tuple[str, bool]:
-    """Return how a package is found that may be in a submodule of git which is not checked out, and whether it is that submodule.
+def propose_checkout(package: str, finder: PackageFinder) -> str:
+    """Return how the submodule of git is checked out that is this package and has no files; empty if there is none."""
+    own = next((path for path in list_missing_submodules(finder) if PurePosixPath(path).name == package), None)
+    return "" if own is None else f"check out its submodule: `git submodule update --init {shlex.quote(own)}`"
 
-    Nothing if all submodules are checked out.
-    """
+
+def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
+    """Add to a repair that a package may be in a submodule of git which is not checked out: first if a name suggests it."""
     missing = list_missing_submodules(finder)
-    own = next((path for path in missing if PurePosixPath(path).name == package), None)
-    if own is not None:
-        return f"check out its submodule: `git submodule update --init {shlex.quote(own)}`", True
-    if missing:
-        return (
-            f"if it is in a submodule ({join_names(missing, 3)}), check that out: `git submodule update --init`",
-            False,
-        )
-    return "", False
+    alike = select_similar_submodules(missing, [package])
+    if alike:
+        first = f"if it is in a submodule ({join_names(alike, 3)}), check that out: `git submodule update --init`"
+        return f"{first}; otherwise {repair}"
+    if missing and package not in read_released_packages():
+        return f"{repair}; or check out a submodule that has it: `git submodule update --init` ({join_names([*missing], 3)})"
+    return repair
 
 
-def list_missing_submodules(finder: PackageFinder) -> list[str]:
-    """Return the submodules of the repository around the start whose folders are missing or empty, as .gitmodules has them."""
+def select_similar_submodules(submodules: Mapping[str, str], packages: Iterable[str]) -> list[str]:
+    """Return those submodules whose folder or address shares a word with the name of a package."""
+    words = {word for package in packages for word in _list_words(package)}
+    return [path for path, url in submodules.items() if words & {*_list_words(path), *_list_words(url)}]
+
+
+def _list_words(name: str) -> set[str]:
+    """Return the words of the last part of a path or an address, without those that say nothing about whose it is."""
+    return {*_WORD.findall(PurePosixPath(name).name.lower().removesuffix(".git"))} - _WORDS_OF_MANY
+
+
+def list_missing_submodules(finder: PackageFinder) -> dict[str, str]:
+    """Return the submodules of the repository around the start whose folders are missing or empty, with their addresses."""
     for folder in finder.list_parent_folders():
         names = folder / ".gitmodules"
         if not finder.can_open(folder / "package.xml") or names.is_symlink():  # a hidden file itself is never in reach
             continue
         try:
-            paths = _SUBMODULE.findall(read_regular(names, _MOST_GIT_BYTES).decode("utf-8", "replace"))
+            sections = read_regular(names, _MOST_GIT_BYTES).decode("utf-8", "replace").split("[submodule")
         except OSError:
             continue
-        return [path for path in paths if finder.can_open(folder / path) and _is_empty(folder / path)]
-    return []
+        pairs = [(_SUBMODULE.search(section), _ADDRESS.search(section)) for section in sections]
+        known = {path[1]: "" if url is None else url[1] for path, url in pairs if path is not None}
+        return {path: url for path, url in known.items() if finder.can_open(folder / path) and _is_empty(folder / path)}
+    return {}
 
 
 def _is_empty(folder: Path) -> bool:

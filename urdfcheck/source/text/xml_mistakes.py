@@ -79,6 +79,10 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     if before.endswith("]]") and here == ">":
         return XmlMistake("text may not contain `]]>`", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
+        if "<" not in text[at:]:
+            return XmlMistake(
+                "there is no XML element", max(at - 1, 0), max(at, 1), "write XML, or give the file another name"
+            )
         return XmlMistake(
             "there is text before the root element",
             max(at - 1, 0),

@@ -129,7 +129,7 @@ def _is_name(name: str) -> bool:
 
 
 def _find_lost_value(name: str, value: Any, at: Location) -> OutputDefect:
-    """Return what xacro makes of the value of an ``<xacro:attribute>`` that is no text: it leaves it as it was computed.
+    """Return what xacro makes of the value of an ``<xacro:attribute>`` that is not a text: it leaves it as it was computed.
 
     :raises InvalidOutputError: if it crashes when it writes it.
     """
