@@ -773,6 +773,25 @@ def test_in_a_xacro_the_repair_of_degrees_stays_readable(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize(
+    ("other", "messages"),
+    [("-2.97 2.97", ["point"]), ("-1 1", ["point"]), ("-170 170", ["range"]), ("-94.5 4.69", ["range"])],
+)
+def test_a_lost_decimal_point_is_not_converted(tmp_path: Path, other: str, messages: list[str]) -> None:
+    """Unless another joint shows that the file is in degrees."""
+    ranges = [limits.split() for limits in ("-94 4.69", other)]
+    joints = [
+        make_joint(f'<limit lower="{low}" upper="{up}" effort="1" velocity="1"/>', name=name, child=name)
+        for name, (low, up) in zip("bc", ranges, strict=True)
+    ]
+    found = find(tmp_path, make_three_links(*joints), "JNT006")
+    assert [finding.message_id for finding in found] == messages
+    if messages == ["point"]:
+        (finding,) = found
+        assert not (finding.fix.edits if finding.fix else ())
+        assert (finding.data["pointed"], finding.data["far"]) == (-0.94, -94)
+
+
+@pytest.mark.parametrize(
     ("speeds", "kind", "degrees"),
     [
         (["180", "180"], "revolute", True),
