@@ -314,6 +314,25 @@ def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, fou
 
 
 @pytest.mark.parametrize(
+    ("reach", "interface", "message"),
+    [
+        ("100000", "state_interface", "endless"),
+        ("3.14", "state_interface", "velocity-absurd"),
+        ("100000", "command_interface", "velocity-absurd"),
+    ],
+)
+def test_a_joint_that_turns_freely_needs_no_data_sheet(
+    tmp_path: Path, reach: str, interface: str, message: str
+) -> None:
+    swing = make_joint(f'<limit lower="-{reach}" upper="{reach}" effort="10" velocity="100000"/>')
+    control = (
+        f'<ros2_control name="s" type="system"><joint name="j"><{interface} name="position"/></joint></ros2_control>'
+    )
+    (finding,) = find(tmp_path, make_three_links(swing, control), "JNT007")
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(
     ("content", "told"),
     [
         ("", False),
