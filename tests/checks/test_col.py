@@ -80,7 +80,7 @@ def folded(scale: float = 1.0, rpy: str = "0 0 0", gap: float = -0.002) -> str:
 def test_the_overlap_is_told_with_its_depth_and_its_place(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, folded(), "COL001")
     assert finding.severity == Severity.WARNING
-    assert "c and a overlap by 2 mm" in finding.message
+    assert "c and a overlap by 2 mm in the rest pose (all joints at zero)" in finding.message
     assert finding.location.subject == "link[c]/collision/geometry/box"
     assert finding.data["depth"] == pytest.approx(0.002, rel=1e-4)
     assert finding.data["point"] == pytest.approx([0.3, 0.1, 0.21], abs=0.05)
@@ -124,6 +124,11 @@ def test_closed_fingers_may_press_against_each_other(tmp_path: Path, press: floa
         make_link("right", finger),
     )
     assert bool(find(tmp_path, text, "COL001")) == bad
+
+
+def test_the_pose_is_told_where_zero_is_out_of_range(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, jaws(half_gap=-0.005, lower=0.012), "COL001")
+    assert "in the rest pose (l at 0.012, r at 0.012: the limits nearest to zero)" in finding.message
 
 
 def jaws(half_gap: float = 0.005, lower: float = 0, length: float = 0.1) -> str:

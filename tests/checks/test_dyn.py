@@ -224,6 +224,21 @@ def test_a_name_puts_the_robot_under_water(tmp_path: Path, name: str, message: s
 
 
 @pytest.mark.parametrize(
+    ("comment", "reach", "message"),
+    [("8.5Nm, 2 rad/s", 1, "documented"), ("8.5 rpm", 1, "weak"), ("18.5 Nm", 1, "weak"), ("8.5 Nm", 3, "documented")],
+)
+def test_a_limit_that_a_comment_repeats_is_a_note(tmp_path: Path, comment: str, reach: float, message: str) -> None:
+    text = make_pendulum(8.5, f"<!-- {comment} -->", range=f'lower="-{reach * 1.5}" upper="{reach * 1.5}"')
+    (finding,) = find(tmp_path, text, "DYN002")
+    assert (finding.message_id, finding.severity is Severity.INFO) == (message, message == "documented")
+
+
+def test_a_limit_that_a_comment_repeats_is_too_small_for_most_poses(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, make_pendulum(1, "<!-- 1 Nm -->"), "DYN002")
+    assert (finding.message_id, finding.severity) == ("weak", Severity.WARNING)
+
+
+@pytest.mark.parametrize(
     ("efforts", "message"),
     [
         ((0.01, 0.01, 0.01), "placeholder"),

@@ -53,6 +53,23 @@ def test_nothing_is_reported_beside_or_before_the_scan(tmp_path: Path, scan: str
     assert list_seen(tmp_path, link("base"), AHEAD, scan) == []
 
 
+@pytest.mark.parametrize(
+    ("frame", "low", "message"),
+    [("base", -1.57, "turned"), ("back", -1.57, "sees"), ("elsewhere", -1.57, "sees"), ("base", -3.14, "sees")],
+)
+def test_a_pose_that_turns_the_scan_off_its_frame_is_the_cause(
+    tmp_path: Path, frame: str, low: float, message: str
+) -> None:
+    """Not where the named frame is turned too or unknown, nor where the turned scan sees the robot anyway."""
+    behind = AHEAD.replace("0.5 0 0", "-0.5 0 0") + joint("rear", "base", "back", rpy="0 0 3.14159") + link("back")
+    scan = sensor("gpu_ray", low=low, high=-low, pose="<pose>0 0 0 0 0 3.14159</pose>")
+    scan = scan.replace(
+        "</sensor>", f'<plugin name="p" filename="f"><frame_name>{frame}</frame_name></plugin></sensor>'
+    )
+    (finding,) = find(tmp_path, robot(link("base"), behind, scan), "GZB009")
+    assert finding.message_id == message
+
+
 def test_an_arm_may_be_elsewhere_and_a_wheel_is_where_it_is(tmp_path: Path) -> None:
     arm = AHEAD.replace('type="fixed"', 'type="revolute"').replace("</joint>", f"{limit(-1, 1)}</joint>")
     assert list_seen(tmp_path, link("base"), arm, sensor("gpu_ray")) == []

@@ -314,6 +314,25 @@ def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, fou
 
 
 @pytest.mark.parametrize(
+    ("reach", "interface", "message"),
+    [
+        ("100000", "state_interface", "endless"),
+        ("3.14", "state_interface", "velocity-absurd"),
+        ("100000", "command_interface", "velocity-absurd"),
+    ],
+)
+def test_a_joint_that_turns_freely_needs_no_data_sheet(
+    tmp_path: Path, reach: str, interface: str, message: str
+) -> None:
+    swing = make_joint(f'<limit lower="-{reach}" upper="{reach}" effort="10" velocity="100000"/>')
+    control = (
+        f'<ros2_control name="s" type="system"><joint name="j"><{interface} name="position"/></joint></ros2_control>'
+    )
+    (finding,) = find(tmp_path, make_three_links(swing, control), "JNT007")
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(
     ("content", "told"),
     [
         ("", False),
@@ -770,6 +789,25 @@ def test_in_a_xacro_the_repair_of_degrees_stays_readable(tmp_path: Path) -> None
     (finding,) = find(tmp_path, text, "JNT006", name="robot.xacro")
     assert finding.fix is not None
     assert [edit.replacement for edit in finding.fix.edits] == ["${radians(-90)}"]
+
+
+@pytest.mark.parametrize(
+    ("other", "messages"),
+    [("-2.97 2.97", ["point"]), ("-1 1", ["point"]), ("-170 170", ["range"]), ("-94.5 4.69", ["range"])],
+)
+def test_a_lost_decimal_point_is_not_converted(tmp_path: Path, other: str, messages: list[str]) -> None:
+    """Unless another joint shows that the file is in degrees."""
+    ranges = [limits.split() for limits in ("-94 4.69", other)]
+    joints = [
+        make_joint(f'<limit lower="{low}" upper="{up}" effort="1" velocity="1"/>', name=name, child=name)
+        for name, (low, up) in zip("bc", ranges, strict=True)
+    ]
+    found = find(tmp_path, make_three_links(*joints), "JNT006")
+    assert [finding.message_id for finding in found] == messages
+    if messages == ["point"]:
+        (finding,) = found
+        assert not (finding.fix.edits if finding.fix else ())
+        assert (finding.data["pointed"], finding.data["far"]) == (-0.94, -94)
 
 
 @pytest.mark.parametrize(

@@ -370,6 +370,19 @@ def test_a_replaced_axis_points_where_those_of_its_side_do(
     assert edits(finding) == [("0 0 1", true)]
 
 
+@pytest.mark.parametrize(
+    ("name", "radius", "count"), [("front", 0.05, 3), ("front", 0.03, 2), ("front_swivel", 0.05, 2)]
+)
+def test_a_part_drawn_like_a_wheel_is_one_whatever_its_name(
+    tmp_path: Path, name: str, radius: float, count: int
+) -> None:
+    """Its axis is upright, so that it does not roll."""
+    plain = replace(CORNERS[0], name=name, radius=radius, axis=(0, 0, 1))
+    tumbling = (replace(wheel, axis=(0, 0, 1)) for wheel in CORNERS[1:3])
+    found = find_in_car(tmp_path, "JNT015", replace(FOUR, wheels=(plain, *tumbling, CORNERS[3])))
+    assert sum(len(finding.list_occurrences()) for finding in found) == count
+
+
 def test_an_axis_within_five_degrees_is_a_camber(tmp_path: Path) -> None:
     assert not find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=(0.08, 1, 0)))
 

@@ -175,6 +175,16 @@ def _get_rest(span: tuple[float, float]) -> float:
     return min(max(0.0, span[0]), span[1])
 
 
+def _describe_pose(model: Model, pairs: Sequence[CollisionPair]) -> str:
+    """Say where the joints between the links of some pairs are at rest."""
+    between = {
+        joint.name: joint for pair in pairs for joint in _list_joints_between(model, pair) if joint.mimic is None
+    }
+    spans = {name: span for name, joint in between.items() if (span := joint.position_range) is not None}
+    away = [f"{name} at {rest:.4g}" for name, span in spans.items() if (rest := _get_rest(span)) != 0]
+    return f"{join_names(away, 3)}: the limits nearest to zero" if away else "all joints at zero"
+
+
 def _is_at_unused_pose(model: Model, pair: CollisionPair) -> bool:
     """Whether two links overlap in a pose that the robot is never in, and most others are free of the overlap.
 
@@ -314,6 +324,7 @@ def _build_overlap_finding(
         severity=Severity.INFO if is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group) else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
         srdf=_INTENDED if is_disabled else _TO_DISABLE,
+        pose=_describe_pose(model, [p for p, _ in group]),
         link=pair.links[place],
         other=pair.links[1 - place],
         others=join_names([f"{name} ({c.depth * 1e3:.3g} mm)" for name, c in others]),

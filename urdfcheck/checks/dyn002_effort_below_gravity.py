@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 
 import numpy as np
@@ -18,7 +19,7 @@ from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
-from urdfcheck.source.text.values import read_attribute_number
+from urdfcheck.source.text.values import parse_number, read_attribute_number
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
@@ -33,6 +34,10 @@ _MAX_BOX_DENSITY = 7900.0
 _OUTSIDE, _MISPLACED_SHARE = 0.1, 0.1
 # The share of the mass behind a joint whose links are drawn that says enough about all of it.
 _KNOWN_SHARE = 0.9
+# The most poses, as a share, in which a documented limit may be too small for the robot.
+_MOST_POSES = 0.5
+_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+_EFFORT_WITH_UNIT = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)\s*(?:Nm?|N[·.*]m)\b")
 
 
 def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) -> Iterator[Finding]:
@@ -56,7 +61,15 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
         afloat = find_submersible_name(model) if times < buoyant else None
         is_placeholder = _is_placeholder(model, effort) and (times > far or effort == _EXPORTED_EFFORT)
         message = "placeholder" if is_placeholder else "weak" if times <= far else "far"
-        is_minor = afloat is not None or max(load.count for load in loads) < rare * model.samples
+        most = max(load.count for load in loads)
+        # A robot that cannot hold most of its poses has wrong masses, whatever its limits.
+        if (
+            message == "weak"
+            and most < _MOST_POSES * model.samples
+            and all(_is_documented(model, one) for one in loads)
+        ):
+            message = "documented"
+        is_minor = afloat is not None or message == "documented" or most < rare * model.samples
         yield _build_overload_finding(
             model,
             rule,
@@ -87,6 +100,18 @@ def _are_masses_plausible(model: Model, joint: Joint) -> bool:
             return False
         known += inertial.mass
     return known >= _KNOWN_SHARE * total > 0.0
+
+
+def _is_documented(model: Model, load: Overload) -> bool:
+    """Whether a comment in the joint has its effort limit with the unit, as copied from a data sheet: ``270Nm``."""
+    span = load.joint.element.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None:
+        return False
+    end = file.text.find("</joint", span.start)
+    comments = " ".join(_COMMENT.findall(file.text, span.start, max(end, span.start)))
+    effort = load.joint.get_limit_value("effort")
+    return any(parse_number(typed) == effort for typed in _EFFORT_WITH_UNIT.findall(comments))
 
 
 def _is_held_by_friction(load: Overload) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
@@ -24,10 +25,22 @@ def check(model: Model, rule: Rule, *, least: float) -> Iterator[Finding]:
 
     for scan in scan_robot(model):
         if scan.share > least:
-            yield _build_finding(model, rule, scan)
+            yield _build_finding(model, rule, scan, least=least)
 
 
-def _build_finding(model: Model, rule: Rule, scan: SelfScan) -> Finding:
+def _build_finding(model: Model, rule: Rule, scan: SelfScan, *, least: float) -> Finding:
+    if scan.turned is not None and scan.turned.straight_share <= least:
+        return rule.finding(
+            "turned",
+            at=scan.sensor.element.find_child("pose") or scan.sensor.element,
+            related=[locate_geometry(seen.shape) for seen in scan.seen],
+            sensor=scan.sensor.name,
+            share=scan.share,
+            links=join_names(dict.fromkeys(seen.link for seen in scan.seen)),
+            straight=scan.turned.straight_share,
+            frame=scan.turned.frame,
+            angle=math.degrees(scan.turned.angle),
+        )
     is_filtered = model.package is not None and _FILTERS in model.package.dependencies
     within = join_names(dict.fromkeys(seen.link for seen in scan.seen if seen.holds_sensor))
     return rule.finding(

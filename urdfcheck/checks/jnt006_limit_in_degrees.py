@@ -30,7 +30,13 @@ def check(
     if any(_is_degree_range(sizes, least, most_angle) for sizes in ranges.values()):
         # 100 may mean "no limit", unless another joint of the robot shows the unit.
         alike = [joint for joint, sizes in ranges.items() if _can_be_degree_range(sizes, least_angle, most_angle)]
-        yield _build_finding(model, rule, "range", joints=alike, names=("lower", "upper"))
+        mixed = [joint for joint in alike if _is_half_radian_range(ranges[joint])]
+        if len(mixed) == len(alike) or any(map(_is_radian_range, ranges.values())):
+            alike = [joint for joint in alike if joint not in mixed]
+            if mixed:
+                yield _build_lone_end_finding(rule, mixed)
+        if alike:
+            yield _build_finding(model, rule, "range", joints=alike, names=("lower", "upper"))
     # A rotor turns without end, however its joint is typed, and so fast.
     ranged = [joint for joint, sizes in ranges.items() if max(sizes, default=0) <= most_angle]
     speeds = {joint: size for joint in ranged for size in _read_magnitudes(joint, ("velocity",))}
@@ -61,6 +67,14 @@ def _is_radian_range(sizes: Sequence[float]) -> bool:
     return math.pi / 2 - _ROUNDING < largest < math.tau + _ROUNDING and any(size != round(size) for size in sizes)
 
 
+def _is_half_radian_range(sizes: Sequence[float]) -> bool:
+    """Whether one end is an angle in radians with decimals, and the other a whole number beyond a turn: ``0.94`` without its
+    point is as likely as degrees."""
+    return (
+        len(sizes) > 1 and min(sizes) != round(min(sizes)) and max(sizes) == round(max(sizes)) > math.tau > min(sizes)
+    )
+
+
 def _can_be_degree_range(sizes: Sequence[float], least: float, most: float) -> bool:
     """Whether an end would be beyond a turn in radians; enough in a robot with degrees elsewhere."""
     largest = max(sizes, default=0)
@@ -80,6 +94,43 @@ def _is_quarter_turns(size: float) -> bool:
     decimals = len(f"{size:.15g}".partition(".")[2])
     slack = min(_ROUNDING, max(_LAST_DIGITS * 10.0**-decimals, 1e-9))
     return decimals > 0 and abs(size - round(size / (math.pi / 2)) * math.pi / 2) < slack
+
+
+def _build_lone_end_finding(rule: Rule, joints: Sequence[Joint]) -> Finding:
+    """Report the ends that are beyond radians; the other ends stay as they are, and no edit can know what was meant."""
+    ends = [max(_list_typed_limits(joint, ("lower", "upper")), key=lambda end: abs(end[0])) for joint in joints]
+    far = max(ends, key=lambda end: abs(end[0]))[0]
+    worst = joints[[end[0] for end in ends].index(far)]
+    typed = _read_limits(worst, ("lower", "upper"))
+    finding = rule.finding(
+        "point",
+        at=ends[0][1],
+        related=[attribute for _, attribute in ends[1:] if attribute.span != ends[0][1].span],
+        joints=join_names(joint.name for joint in joints),
+        count=format_count(len(joints), "joint has", "joints have"),
+        worst=worst.name,
+        typed=join_numbers(typed, separator=" to "),
+        far=far,
+        near=min(typed, key=abs),
+        turns=abs(far) / math.tau,
+        pointed=_restore_point(far),
+        radians=math.radians(far),
+    )
+    return replace(finding, subjects=tuple(attribute.location.subject for _, attribute in ends))
+
+
+def _list_typed_limits(joint: Joint, names: Iterable[str]) -> list[tuple[float, Attribute]]:
+    """List the limits of a joint with where they are typed."""
+    attributes = {} if joint.limit is None else joint.limit.attributes
+    pairs = ((joint.get_limit_value(name), attributes.get(name)) for name in names)
+    return [(value, attribute) for value, attribute in pairs if value is not None and attribute is not None]
+
+
+def _restore_point(value: float) -> float:
+    """Return the largest angle within a turn that has the digits of a number."""
+    while abs(value) > math.tau:
+        value /= 10
+    return float(f"{value:.12g}")
 
 
 def _build_finding(model: Model, rule: Rule, message: str, *, joints: Sequence[Joint], names: Sequence[str]) -> Finding:

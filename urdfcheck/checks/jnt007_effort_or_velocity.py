@@ -20,6 +20,8 @@ _SETS_DIRECTLY = "gazebo_ros2_control/"
 _SDF_UNLIMITED = -1.0
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
+# rad: 160 turns either way. A range that large means that there is none.
+_ENDLESS = 1000.0
 _WANTED = {
     "effort": "effort, the highest torque in N·m (force in N),",
     "velocity": "velocity, the highest speed in rad/s (m/s),",
@@ -42,6 +44,12 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     driven = [] if is_held_still(model.robot) else [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
     moving = _drop_idle_joints(model, driven)
+    free = [joint for joint in moving if joint.name in _collect_read_joints(model) and _is_endless(joint)]
+    if beyond := [joint for joint in free if _is_beyond(joint, effort=most_effort, velocity=most_velocity)]:
+        largest = _find_largest(beyond)
+        name = "velocity" if largest["velocity"] >= most_velocity else "effort"
+        yield _build_finding(rule, "endless", name, beyond, largest=max(map(_measure_reach, beyond)))
+        moving = [joint for joint in moving if joint not in beyond]
     absurd: dict[str, list[Joint]] = {}
     unlimited = {name: [j for j in driven if j.get_limit_value(name) == _SDF_UNLIMITED] for name in _WANTED}
     without_both = [joint for joint in unlimited["effort"] if joint in unlimited["velocity"]]
@@ -77,6 +85,28 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
                 most=most,
                 followers=_describe_followers(model, name, most),
             )
+
+
+def _collect_read_joints(model: Model) -> set[str]:
+    """Collect the joints that blocks of ros2_control only read: they have no command interface, so nothing drives them."""
+    joints = [j for control in model.robot.find_children("ros2_control") for j in control.find_children("joint")]
+    commanded = {joint.get("name") for joint in joints if joint.find_child("command_interface") is not None}
+    return {joint.get("name") for joint in joints} - commanded
+
+
+def _measure_reach(joint: Joint) -> float:
+    """Return how far (rad or m) from zero both ends of a range are at least; 0 for no range."""
+    span = joint.position_range
+    return 0.0 if span is None else min(-span[0], span[1])
+
+
+def _is_endless(joint: Joint) -> bool:
+    """Whether a revolute joint has a range that no turning reaches the end of."""
+    return joint.type == "revolute" and _measure_reach(joint) >= _ENDLESS
+
+
+def _is_beyond(joint: Joint, **most: float) -> bool:
+    return any((joint.get_limit_value(name) or 0.0) >= value for name, value in most.items())
 
 
 def _describe_followers(model: Model, name: str, most: float) -> str:

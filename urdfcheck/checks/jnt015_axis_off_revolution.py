@@ -17,6 +17,7 @@ from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_ax
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import LEVEL, Wheel, rolling_wheels
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
+from urdfcheck.model.likeness.shape_comparison import list_alike_links
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
@@ -74,7 +75,8 @@ class _SuspectWheel:
 
 def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterator[Finding]:
     rolls = {wheel.joint.name for wheel in rolling_wheels(model)}
-    wheels = [j for j in model.joints if j.name in model.axes and (j.name in rolls or _is_named_wheel(j))]
+    known = [j for j in model.joints if j.name in model.axes and (j.name in rolls or _is_named_wheel(j))]
+    wheels = [j for j in model.joints if j in known or _is_drawn_like_wheel(model, j, known)]
     upright = [joint for joint in wheels if abs(abs(float(model.axes[joint.name][2])) - 1) < _SQUARE]
     for joint in wheels:
         if len(upright) == 1 and joint is upright[0] and len(wheels) == 3:
@@ -86,6 +88,17 @@ def _is_named_wheel(joint: Joint) -> bool:
     words = f"{joint.name} {joint.child}"
     is_continuous = joint.type == "continuous" and WHEEL_NAME.search(words) and not WHEEL_CARRIER_NAME.search(words)
     return bool(is_continuous) or (is_revolute_wheel(joint) and not _may_steer(joint))
+
+
+def _is_drawn_like_wheel(model: Model, joint: Joint, wheels: Sequence[Joint]) -> bool:
+    """Whether a continuous joint, whatever its name, turns what a wheel on the same link draws, and nothing else."""
+    if joint.type != "continuous" or joint.name not in model.axes or model.tree.child_joints.get(joint.child):
+        return False
+    names = f"{joint.name} {joint.child}"
+    if WHEEL_CARRIER_NAME.search(names) or NOT_DRIVEN_NAME.search(names):
+        return False
+    alike = list_alike_links(model, joint.child)
+    return any(wheel.parent == joint.parent and wheel.child in alike for wheel in wheels)
 
 
 def _may_steer(joint: Joint) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,6 +27,10 @@ _MOST_AZIMUTHS, _MOST_LAYERS = 720, 16
 # Rays in the plane of a face end at it or pass it by the last digit of a number. What they meet only there, and not this far (m)
 # above and below too, is not certain.
 _BESIDE = 1e-4
+# The elements that name the frame of a sensor's messages, in Gazebo Classic's plugins and in the sensors of its successor.
+_FRAME_TAGS = frozenset({"frame_name", "frameName", "frame_id", "gz_frame_id", "ignition_frame_id"})
+# An angle (rad) beyond those of a mount that is aligned: chosen.
+_TURNED = 0.1
 # Types of sensors whose rays are rendered, so that they see visuals, and the one whose rays are collided with shapes.
 RENDERED, COLLIDED = frozenset({"gpu_ray", "gpu_lidar", "lidar"}), "ray"
 
@@ -41,6 +46,17 @@ class SeenShape:
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class ScanTurn:
+    """The turn between a sensor's rays and the link in whose frame its messages say that they are."""
+
+    frame: str
+    angle: float
+    """rad"""
+    straight_share: float
+    """Which part of the rays would end at the robot without the turn."""
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class SelfScan:
     """What a sensor sees of its robot."""
 
@@ -53,6 +69,8 @@ class SelfScan:
     """Where each ray meets a shape (E, A), in m, inf for none."""
     seen: tuple[SeenShape, ...]
     """The shapes that rays meet first."""
+    turned: ScanTurn | None = None
+    """How the sensor's own pose turns the rays against the frame of its messages, if it does."""
 
     @property
     def layers(self) -> int:
@@ -114,10 +132,41 @@ def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
     if least is None or most is None or azimuths is None or elevations is None or sensor.reference not in model.frames:
         return None
     place = model.frames[sensor.reference] @ build_origin_transform(offset[:3], offset[3:])
+    seen = _scan_beside(model, sensor, place, azimuths=azimuths, elevations=elevations, limits=(least, most))
+    frame = _find_frame_link(model, sensor)
+    if frame is None or not seen.seen or not any(offset[3:]):
+        return seen
+    straight = place.copy()
+    straight[:3, :3] = model.frames[frame][:3, :3]
+    angle = math.acos(max(-1.0, min(1.0, (float(np.trace(place[:3, :3].T @ straight[:3, :3])) - 1.0) / 2.0)))
+    if angle < _TURNED:
+        return seen
+    other = _scan_beside(model, sensor, straight, azimuths=azimuths, elevations=elevations, limits=(least, most))
+    return replace(seen, turned=ScanTurn(frame=frame, angle=angle, straight_share=other.share))
+
+
+def _find_frame_link(model: Model, sensor: GazeboSensor) -> str | None:
+    """Find the link that a sensor or its plugin names as the frame of its messages."""
+    names = [element.text.strip().lstrip("/") for element in sensor.element.walk() if element.tag in _FRAME_TAGS]
+    return names[0] if len(set(names)) == 1 and names[0] in model.frames else None
+
+
+def _scan_beside(
+    model: Model,
+    sensor: GazeboSensor,
+    place: Array,
+    *,
+    azimuths: Array,
+    elevations: Array,
+    limits: tuple[float, float],
+) -> SelfScan:
+    """Follow the rays of a sensor as typed, and a little above and below; the scan that sees least counts."""
+    from urdfcheck.facts.motion.kinematics import build_origin_transform
+
     scans = []
     for height in (0.0, _BESIDE, -_BESIDE):
         raised = place @ build_origin_transform([0.0, 0.0, height], [0.0] * 3)
-        found = _scan_from(model, sensor, raised, azimuths=azimuths, elevations=elevations, limits=(least, most))
+        found = _scan_from(model, sensor, raised, azimuths=azimuths, elevations=elevations, limits=limits)
         scans.append(found)
         if not found.seen:
             break
