@@ -70,7 +70,7 @@ def merge_identical(
     """Merge findings whose ``data`` differ only in these names: a block that was copied is wrong once.
 
     The merged finding is at the first place, lists the others and repairs all. ``varying``: keys of ``data`` that may differ
-    as well, because each finding has its own repair.
+    too, because each finding has its own repair.
     """
     groups: dict[str, list[Finding]] = {}
     for finding in findings:
