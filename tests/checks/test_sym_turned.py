@@ -10,7 +10,7 @@ from urdfcheck.core import Finding, Severity
 
 
 def find_pair(
-    folder: Path, drawn: tuple[tuple[str, str], ...], left: str, right: str, codes: str | set[str] = "SYM004"
+    folder: Path, drawn: tuple[tuple[str, str], ...], left: str, right: str, *, codes: str | set[str] = "SYM004"
 ) -> list[Finding]:
     """Check two arms that draw boxes (size, place), those of the right one mirrored in y."""
     parts = []

@@ -397,7 +397,7 @@ def _has_lost_number(both: Sequence[PairSide]) -> bool:
 
 
 def _is_slight_turn(side: PairSide, note: float) -> bool:
-    """Whether a side has the numbers of its twin's part, turned by half a turn, and only its COM is off, by a little."""
+    """Whether a side has the numbers of its twin after half a turn, and only its COM is off, by a little."""
     off = float(np.linalg.norm(side.actual.com - side.expected.com))
     return side.deviation.spread <= note and off < _SLIGHT_TURN and find_half_turn(side, note) is not None
 

@@ -180,10 +180,10 @@ def _make_side(
     twin_numbers: DeclaredInertial,
     inverse: bool,
 ) -> PairSide:
-    """Make one side; of mirror image and copies that the drawings allow, it expects that which is nearest to its numbers.
+    """Make one side; of mirror image and copies that the drawings allow, it expects the one nearest to its numbers.
 
-    A part that is nearly its own mirror image allows more than one. Where none agrees, that which carries one drawing onto the
-    other much better counts, if the numbers are its own but for signs.
+    A part that is nearly its own mirror image allows more than one. Where none agrees, one that carries one drawing onto the
+    other much better counts, if the numbers are its own apart from signs.
     """
     image = mirror_inertial(twin_numbers, pair, inverse=inverse)
     copies = [(copy_inertial(twin_numbers, copy, inverse=inverse), copy.mismatch) for copy in pair.copy_transforms]
