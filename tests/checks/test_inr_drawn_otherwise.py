@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pytest
 from builders import box, collision, find, inertial, joint, link, mesh, robot, visual
 from castings import geometry, write_stl
 
@@ -49,3 +50,19 @@ def test_a_collision_shape_that_is_unlike_an_open_mesh_gives_no_com(tmp_path: Pa
     assert finding.message_id == "unlike"
     assert finding.fix is not None
     assert "0.064" not in finding.message + finding.fix.title
+
+
+@pytest.mark.parametrize(("mass", "found"), [("0.1", False), ("50", True)])
+def test_one_mass_from_which_the_inertias_are_computed_was_chosen(tmp_path: Path, mass: str, found: bool) -> None:
+    parts = [f'<xacro:property name="m" value="{mass}"/>', link("base")]
+    for index, size in enumerate((0.03, 0.04, 0.05, 0.06)):
+        name, moment = f"l{index}", f"${{m/6*s{index}*s{index}}}"
+        numbers = inertial("${m}", ixx=moment, iyy=moment, izz=moment)
+        parts += [
+            f'<xacro:property name="s{index}" value="{size}"/>',
+            link(name, numbers, visual(box(f"{size} {size} {size}"))),
+            joint(f"to_{name}", "base", name, kind="continuous"),
+        ]
+    text = robot(*parts, xacro=True)
+    findings = find(tmp_path, text, {"INR007"}, name="robot.urdf.xacro")
+    assert ([finding.message_id for finding in findings] == ["mass"]) == found
