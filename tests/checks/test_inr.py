@@ -58,6 +58,19 @@ def test_a_robot_without_inertials_matters_where_it_is_simulated(
     assert [finding.message_id for finding in run.findings] == [message]
 
 
+@pytest.mark.parametrize(("joint_name", "found"), [("j", False), ("knee", True)])
+def test_a_robot_that_mujoco_simulates_from_a_model_of_its_own_needs_no_inertials(
+    tmp_path: Path, joint_name: str, found: bool
+) -> None:
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "scripts/sim.py": "import mujoco  # beside arm.urdf\nprint('arm.urdf')",
+        "mjcf/arm.xml": f'<mujoco model="arm"><worldbody><body><joint name="{joint_name}"/></body></worldbody></mujoco>',
+        "robot.urdf": make_arm("").replace(SOUND, ""),
+    }
+    assert bool(find(tmp_path, files, "INR001")) == found
+
+
 def test_a_link_on_a_fixed_joint_needs_no_inertial(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm("", kind="fixed"), "INR001")
 

@@ -9,7 +9,7 @@ import pytest
 from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, link, mesh, robot, sphere, visual
 from castings import write_stl
 
-from urdfcheck.core import Severity
+from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.hull_bounds import is_possible_elsewhere
 
 # -- INR003, INR004 -------------------------------------------------------------------------------------------------
@@ -110,6 +110,9 @@ def test_a_variance_fits_about_the_middle_of_the_hull() -> None:
     assert not is_possible_elsewhere(points, np.diag((0.25, 1.0, 4.01)))
     assert is_possible_elsewhere(points, np.diag((0.25, 1.0, 4.2)), ratio=1.1)
     assert is_possible_elsewhere(points, np.diag((0.25, 1.0, 4.2)), margin=0.1)
+    # Of equal variances, rounding chooses the axes: those of the hull decide.
+    noise = 1e-18 * np.array([[0.0, 1.0, -2.0], [1.0, 0.0, 3.0], [-2.0, 3.0, 0.0]])
+    assert not is_possible_elsewhere(points, 0.5 * np.eye(3) + noise)
 
 
 @pytest.mark.parametrize(("reach", "moment", "found"), [(0.2, 0.001, False), (0.02, 0.001, True), (0.2, 0.1, True)])
@@ -350,3 +353,22 @@ def test_moments_that_are_all_below_the_drawn_part_s_are_not_too_large(tmp_path:
     (finding,) = find(tmp_path, arm_on_base(placeholder, visual(box("0.5 0.4 0.05"))), {"INR005"})
     assert finding.message_id == "uneven"
     assert "mm beyond the drawing" in finding.message
+
+
+def find_light_hand(folder: Path, mass: float, *, size: float = 1.0) -> list[Finding]:
+    numbers = inertial(mass, ixx=size * 8.76e-5, iyy=size * 5.4e-5, izz=size * 1.2e-4)
+    return find(folder, arm_on_base(numbers, visual(box("0.06 0.08 0.03"))), {"INR005"})
+
+
+def test_a_mass_of_milligrams_is_wrong_where_the_tensor_is_the_drawn_part_of_a_usual_density(tmp_path: Path) -> None:
+    (finding,) = find_light_hand(tmp_path, 1.02e-6)
+    assert (finding.message_id, finding.severity) == ("mass", Severity.ERROR)
+    assert "at 0.144 kg" in finding.message
+
+
+@pytest.mark.parametrize("size", [1e3, 3e-2])
+def test_no_part_is_missing_from_a_tensor_that_is_a_thousand_times_too_large(tmp_path: Path, size: float) -> None:
+    (finding,) = find_light_hand(tmp_path, 1.02e-6, size=size)
+    assert finding.message_id == "exceeds"
+    assert finding.fix is not None
+    assert "draw the parts" not in finding.fix.title

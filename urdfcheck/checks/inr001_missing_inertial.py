@@ -9,7 +9,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
-from urdfcheck.model.simulation_use import has_bare_joints, is_started_in_simulator
+from urdfcheck.model.simulation_use import has_bare_joints, is_modelled_for_mujoco, is_started_in_simulator
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # The targets that simulate robots.
@@ -27,6 +27,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not moving:
         return
     if all(link.inertial is None for link in model.links):
+        if is_modelled_for_mujoco(model) and not _SIMULATORS.intersection(model.targets):
+            return
         solid = all(has_collision_geometry(model, body) for body in moving)
         yield rule.finding(
             "kinematic" if _SIMULATORS.intersection(model.targets) or is_started_in_simulator(model) else "display",

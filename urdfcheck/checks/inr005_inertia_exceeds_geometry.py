@@ -28,6 +28,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     list_half_units,
 )
+from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
@@ -73,6 +74,8 @@ _BARELY_UNEVEN = 1.6
 _OWN_FACTORS = 1.25
 # Moments that were computed from a shape are its own to within this share.
 _TYPED = 5e-3
+# A tensor is the drawn part's at another mass to within this share.
+_OWN = 0.05
 _LONE_FRAME = "remove the <inertial> if the link is only a frame, or "
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
@@ -119,6 +122,9 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         if unit is not None and not _has_other_unit(model, part.link.name, unit.name):
             in_unit.append((declared, is_vast))
             continue
+        if excess >= VAST and (mass := _find_own_mass(model, part)) is not None:
+            yield _build_mass_finding(model, rule, part, mass)
+            continue
         advice = _advise(model, part, declared, ratio=ratio, excess=excess)
         is_uneven = _is_smaller_than_drawn(model, declared)
         is_uneven |= not is_elsewhere and not any(
@@ -147,6 +153,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             most=float(f"{spread / excess**0.5:.3g}"),
             around=part.geometry_phrase,
             slack=format_length(slack),
+            undrawn="" if excess >= VAST else ", or draw the parts that are missing",
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
@@ -233,6 +240,35 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
     if is_known and lacks_only_com(model, part.link):
         return _Advice(remedy=f"write {drawn}, or " if drawn else "", explained=_LACKS_COM)
     return replace(unknown, explained=_describe_missing_com(model, part.link))
+
+
+def _find_own_mass(model: Model, part: EnclosedInertial) -> float | None:
+    """Return the mass (kg) at which a tensor is the drawn part's, if it gives a usual density and the typed one does not; None
+    elsewhere."""
+    drawn, tensor = measure_link_geometry(model, part.link), model.tensor_by_name[part.link.name].tensor
+    if drawn is None or not drawn.closed or len(part.readings) > 1 or not part.mass < LIGHTEST * drawn.solid.volume:
+        return None
+    unit = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, 1.0))
+    moments = np.linalg.eigvalsh(tensor)
+    mass = float(moments.sum() / unit.sum())
+    fits = float(np.abs(moments - mass * unit).max()) <= _OWN * float(moments.max())
+    return mass if fits and is_part_density(mass / drawn.solid.volume) else None
+
+
+def _build_mass_finding(model: Model, rule: Rule, part: EnclosedInertial, mass: float) -> Finding:
+    """Report a mass beside a tensor that is the drawn part's at another ``mass`` (kg)."""
+    inertial, drawn = model.tensor_by_name[part.link.name].inertial, measure_link_geometry(model, part.link)
+    volume = 0.0 if drawn is None else drawn.solid.volume
+    return rule.finding(
+        "mass",
+        at=inertial.mass_attribute or inertial.element,
+        severity=Severity.ERROR,
+        link=part.link.name,
+        mass=part.mass,
+        other=mass,
+        density=describe_density(part.mass / volume),
+        ratio=mass / part.mass,
+    )
 
 
 def _is_smaller_than_drawn(model: Model, declared: DeclaredTensor) -> bool:

@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
-from urdfcheck.model import DeclaredTensor, Link, Model, Shape
+from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
@@ -322,6 +322,8 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     # If programs disagree about the size of a mesh (MSH008), the sizes must differ so much in both readings.
     if any(len(r) < _FEWEST or r[-1][1] < spread * r[0][1] for r in readings):
         return
+    if _are_inertias_computed(model, alike, mass, volumes=[volume for reading in readings for _, volume in reading]):
+        return
     (small, least), *_, (large, most) = readings[0]
     finding = rule.finding(
         "mass",
@@ -337,3 +339,13 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     )
     # The robot is its subject, so that it does not hide other findings about one of the links.
     yield replace(finding, subjects=(model.location.subject,))
+
+
+def _are_inertias_computed(
+    model: Model, alike: Sequence[DeclaredMass], mass: float, *, volumes: Sequence[float]
+) -> bool:
+    """Whether most tensors of links with one ``mass`` (kg) are computed from it and lengths, and it gives all their ``volumes``
+    (m³) densities of materials: then the masses were chosen."""
+    tensors = [model.tensor_by_name[one.link.name] for one in alike if one.link.name in model.tensor_by_name]
+    computed = sum(all(is_computed_from_lengths(one.element.attributes[name]) for name in MOMENTS) for one in tensors)
+    return 2 * computed > len(alike) and all(LIGHTEST <= mass / volume <= DENSEST for volume in volumes)

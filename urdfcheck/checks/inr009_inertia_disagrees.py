@@ -11,7 +11,7 @@ from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, measure_tensor_rounding
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.median import compute_median
@@ -76,6 +76,7 @@ from urdfcheck.model.shapes.visual_solid import (
     has_loose_hull,
     measure_link_geometry,
     measure_role_geometry,
+    split_visual_bodies,
 )
 from urdfcheck.source.text.xml import Attribute
 
@@ -85,8 +86,6 @@ AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 _TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
 # Mistakes about the tensor that are made where mass properties are read from a CAD program.
 _CAD_MISTAKES = frozenset({"about_origin", "positive_notation", "products_sign", "steiner_missing", "steiner_twice"})
-# Of these, those that the program, or who reads it, makes in all links alike.
-_CONVENTIONS = frozenset({"about_origin", "positive_notation", "products_sign"})
 _DECIMAL_POINTS = frozenset({"decimal_point", "decimal_point_of_all"})
 # A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
 _MOVED = 1e-3
@@ -98,14 +97,17 @@ _ASSUMED, _FACETS = 1000.0, 0.01
 MIRROR_CAUSES = frozenset({"unmirrored"})
 # Visual and collision shapes of one link differ by so much where a mesh is in another unit.
 _OTHER_UNIT = 100.0
+# A collision shape is not like what is drawn where a side of its box is off by more than this share of the drawing's size.
+_UNLIKE = 0.25
 # A COM is outside its body beyond this share of the body's size, as for INR006.
 _OUTSIDE = 0.1
-# Numbers that a program computed have more significant digits than those that a person makes up.
-_COMPUTED_DIGITS = 3
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
+# Moments of bodies whose densities differ are those of uniform ones within this factor.
+_OWN_SUM = 2.0
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
 _MISFITS = ("other link does not fit its drawing", "other links do not fit their drawings")
+
 _POSSIBLE_TERM = (
     ". It may be the sum of the tensors of several bodies without the parallel-axis term: the COM is right, and the mesh has"
     " several bodies"
@@ -355,7 +357,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     is_certain = len(complete) == len(links) and all(is_proven(model, link) for link in links)
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if is_certain else {}
     unseen = _count_unseen_links(model, links)
-    others = 0 if unseen or cause not in _CONVENTIONS else _count_other_misfits(model, links)
+    others = 0 if unseen or cause not in _CAD_MISTAKES else _count_other_misfits(model, links)
     if others > len(links):
         edits = {}  # most links would keep the mistake
     return build_group_finding(
@@ -419,6 +421,8 @@ def _build_cause_finding(
         message = "hollow"
     elif cause == "com_missing" and _is_drawn_elsewhere(model, link):
         message = "elsewhere"
+    elif cause == "com_missing" and _is_unlike_stand_in(model, link):
+        message = "unlike"
     elif cause in {"com_missing", "mesh_scale"}:
         message = cause
     elif others:
@@ -427,6 +431,9 @@ def _build_cause_finding(
         message = "size"
     elif is_approximation(model, link, judged):
         message = "approximation"
+    drawn_twin = _find_drawn_twin(model, link, judged)
+    if drawn_twin is not None:
+        message = "rotated"
     fallback = "the inertia of the drawn part" if message == "approximation" else ""
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     if message == "size":
@@ -438,11 +445,17 @@ def _build_cause_finding(
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=None if message == "elsewhere" else cause,
-        edits=() if mended is None or message == "size" else mended.edits,  # the mass is as likely to be wrong
-        related=[*_list_twins(model, judged), *_iter_definitions(mended)],
+        cause=None if message in {"elsewhere", "rotated"} else cause,
+        # The mass, or the drawing, is as likely to be wrong.
+        edits=() if mended is None or message in {"size", "rotated"} else mended.edits,
+        related=[
+            *_list_twins(model, judged),
+            *([] if drawn_twin is None else [drawn_twin]),
+            *_iter_definitions(mended),
+        ],
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
+        like="" if drawn_twin is None else drawn_twin.name,
         otherwise="the mass of the comment if the part weighs that much"
         if diagnosis.detail.endswith(COMMENTED)
         else "export the inertial again if that is not the mistake",
@@ -462,6 +475,30 @@ def _is_drawn_elsewhere(model: Model, link: Link) -> bool:
     """Whether the origin of a link is farther from what it draws than that is long: the drawing may be in the wrong place."""
     drawn = measure_link_geometry(model, link)
     return drawn is not None and measure_hull_distance(drawn.points, np.zeros(3)) > measure_extent(drawn.points)
+
+
+def _is_unlike_stand_in(model: Model, link: Link) -> bool:
+    """Whether the collision shape that stands for an open visual mesh is much larger, or smaller, or elsewhere: it says nothing
+    about the part."""
+    roles = [measure_role_geometry(model, link, role) for role in ("visual", "collision")]
+    if explain_collision_stand_in(model, link) != "open" or roles[0] is None or roles[1] is None:
+        return False
+    corners = [np.array([drawn.points.min(axis=0), drawn.points.max(axis=0)]) for drawn in roles if drawn is not None]
+    return float(np.abs(corners[0] - corners[1]).max()) > _UNLIKE * measure_extent(roles[0].points)
+
+
+def _find_drawn_twin(model: Model, link: Link, judged: DiagnosedInertial) -> Link | None:
+    """Find a link with the same mass and tensor whose drawing has these axes, where a tensor is that of what a link draws about
+    other axes: the drawing may be what is rotated."""
+    if judged.diagnosis.cause != "axes_permuted":
+        return None
+    own = model.tensor_by_name[link.name]
+    for other in model.tensors:
+        verdict = inertial_diagnoses(model).get(other.link.name)
+        is_same = (other.inertial.mass, other.components) == (own.inertial.mass, own.components)
+        if is_same and verdict is not None and verdict.diagnosis.sound:
+            return other.link
+    return None
 
 
 def _find_other_mass(judged: DiagnosedInertial) -> float | None:
@@ -494,18 +531,17 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
 
 
 def _may_lack_term(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
-    """Whether the COM is that of a part of several bodies, and the tensor far smaller than the part's: bodies whose meshes are
-    open do not show what the parallel-axis theorem would add."""
-    drawn = measure_link_geometry(model, link)
-    if drawn is None or not drawn.closed or not judged.diagnosis.com_mismatch < EXACT:
+    """Whether the COM is that of a part of several bodies, and the tensor about the sum of the bodies' own ones, which is far
+    smaller than the part's."""
+    drawn, bodies = measure_link_geometry(model, link), split_visual_bodies(model, link)
+    if drawn is None or not bodies or not judged.diagnosis.com_mismatch < EXACT:
         return False
-    uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
-    if not np.trace(judged.declared.inertia) < _FAR_SMALLER * np.trace(uniform):
+    mass, volume = judged.declared.mass, sum(body.volume for body in bodies)
+    if not np.trace(judged.declared.inertia) < _FAR_SMALLER * np.trace(compute_solid_inertia(drawn.solid, mass)):
         return False
-    if measure_tensor_rounding(model.tensor_by_name[link.name].texts).typed_digits < _COMPUTED_DIGITS:
-        return False
-    meshes = [facts for shape in link.visuals if (facts := model.meshes.get_facts(shape)) is not None]
-    return sum(len(facts.components) for facts in meshes) > 1
+    own = sum((compute_solid_inertia(body, mass * body.volume / volume) for body in bodies), np.zeros((3, 3)))
+    ratios = np.linalg.eigvalsh(judged.declared.inertia) / np.linalg.eigvalsh(own)
+    return bool(1.0 / _OWN_SUM < ratios.min() <= ratios.max() < _OWN_SUM)
 
 
 def _list_twins(model: Model, judged: DiagnosedInertial) -> list[Link]:

@@ -37,6 +37,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     compare_sides,
     find_cause,
     find_copied_side,
+    find_half_turn,
     find_side_slip,
     find_typed_side,
     find_wrong_side,
@@ -83,6 +84,9 @@ _SAME_COM = 0.01
 # Of numbers that are the other side's apart from signs one is the image of the other, whatever else is wrong with both.
 _SIGN_CAUSES = frozenset({"signs", "products_sign", *CONTRADICTIONS})
 _EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
+# A COM that is off by less (m) may be that of a part that was turned, not mirrored, without making a difference.
+_SLIGHT_TURN = 1e-3
+_COMPARE_DRAWINGS = "compare both with the CAD model: the drawing of one side or its inertial is that of another part"
 _EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
 # What is so where the masses and the COMs are the same, and where no joint moves one side without the other.
 _MASS_MATRIX = "the mass matrix differs between the two sides"
@@ -207,19 +211,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     if wrong is None:
         if deviation.worst == deviation.com_offset and all(_is_outside_body(model, one.link) for one in both):
             return None  # INR006 reports both
-        repair = _EXPORT_BOTH
-        are_related = why.cause in _SIGN_CAUSES or deviation.com_offset <= note
-        if are_related or not all(_has_com_elsewhere(model, one.link) for one in both):
-            other_way = "the other way round" if shared else _describe_remedy(both[0], note)
-            repair = f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
-        if (
-            why.cause not in _SIGN_CAUSES
-            and repair is not _EXPORT_BOTH
-            and all(_has_other_inertial(model, one.link) for one in both)
-        ):
-            repair = _EXPORT_BOTH_INERTIALS
-        if len(barred) == len(both):
-            repair = f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
+        repair = _describe_either_repair(model, both, why, note=note, is_barred=len(barred) == len(both))
         # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
@@ -241,15 +233,41 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         remedies.append(
             f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
         )
+    data["explains"] = _list_explained(side, place["severity"], note) if edits else []
     message = "typed" if typed is not None else "like" if like else "inertial"
     remedy = "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _describe_either_repair(
+    model: Model, both: Sequence[PairSide], why: _Explanation, *, note: float, is_barred: bool
+) -> str:
+    """Describe the repair where nothing shows which side is wrong; ``is_barred``: the tensor of neither repairs the other."""
+    if is_barred:
+        return f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
+    if why.cause == "half_turn":
+        return _COMPARE_DRAWINGS
+    if why.cause not in _SIGN_CAUSES:
+        if both[1].deviation.com_offset > note and all(_has_com_elsewhere(model, one.link) for one in both):
+            return _EXPORT_BOTH
+        if all(_has_other_inertial(model, one.link) for one in both):
+            return _EXPORT_BOTH_INERTIALS
+    other_way = "the other way round" if _has_shared_inertial(both[1]) else _describe_remedy(both[0], note)
+    return f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
+
+
+def _list_explained(side: PairSide, severity: Severity, note: float) -> list[str]:
+    """List what is the same repair: that of a COM outside what is drawn."""
+    is_of_com = side.deviation.com_offset > note and severity is Severity.WARNING
+    return [f"INR006 link[{side.link.name}]"] if is_of_com else []
 
 
 def _may_differ(model: Model, pair: MirrorPair, side: PairSide, *, note: float, is_decided: bool) -> bool:
     """Whether the difference of two sides may be right: of drawings that are shifted, of a part that turns, or, where nothing has
     ``is_decided`` which side is wrong, of numbers that relate alike to what each side draws."""
     axis = find_spin_axis(model, pair, side.link.name)
+    if not is_decided and _is_slight_turn(side, note):
+        return True
     if _are_shifted_drawings(pair, side) or (
         axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
     ):
@@ -296,6 +314,8 @@ class _Explanation:
     """The one mistake without which the two agree."""
     copied: tuple[Link, Link] | None = None
     """The side that has the numbers of another part, and that part."""
+    axis: str = ""
+    """The axis about which half a turn makes one side's numbers those of the other."""
 
 
 def _explain_difference(
@@ -312,7 +332,10 @@ def _explain_difference(
     of the other explains nothing."""
     if typed is not None:
         return _Explanation(cause="placeholder", typed=typed)
-    if (cause := find_cause(pair, side, note)) is not None:
+    cause = find_cause(pair, side, note)
+    if cause == "signs" and not is_decided and (axis := find_half_turn(side, note)) is not None:
+        return _Explanation(cause="half_turn", axis=axis)
+    if cause is not None:
         return _Explanation(cause=cause)
     slip = find_side_slip(both, note)
     if slip is not None and (not is_decided or slip.is_either or both[not slip.is_first].link is side.link):
@@ -372,6 +395,12 @@ def _has_lost_number(both: Sequence[PairSide]) -> bool:
         for side in both
         for typed, wanted in zip(side.actual.com.tolist(), side.expected.com.tolist(), strict=True)
     )
+
+
+def _is_slight_turn(side: PairSide, note: float) -> bool:
+    """Whether a side has the numbers of its twin after half a turn, and only its COM is off, by a little."""
+    off = float(np.linalg.norm(side.actual.com - side.expected.com))
+    return side.deviation.spread <= note and off < _SLIGHT_TURN and find_half_turn(side, note) is not None
 
 
 def _has_com_outside(model: Model, link: Link) -> bool:
@@ -494,6 +523,8 @@ def _has_power_of_ten(numbers: DeclaredInertial) -> bool:
 
 def _collect_cause_data(both: Sequence[PairSide], why: _Explanation) -> dict[str, Any]:
     """Return what the cause says."""
+    if why.axis:
+        return {"axis": why.axis}
     if why.copied is not None:
         return {"wrong": why.copied[0].name, "source": why.copied[1].name}
     if why.typed is not None:

@@ -29,6 +29,7 @@ _SIMULATOR = re.compile(
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
 # The option of Gazebo's spawners that puts a joint at a position.
 _START_OPTION = re.compile(r"(?<![\w-])-J\b")
+_MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 # The names of model files, as launch files and scripts name them.
@@ -55,6 +56,14 @@ def is_started_in_simulator(model: Model) -> bool:
     """Whether the robot has elements for a simulator, or one of these files names a simulator and the robot's own file."""
     name, texts = model.source.path.name, _list_project_texts(model)
     return _has_elements(model) or any(_SIMULATOR.search(t) and name in _MODEL_FILE.findall(t) for t in texts)
+
+
+def is_modelled_for_mujoco(model: Model) -> bool:
+    """Whether a file of the project is a model of MuJoCo (MJCF) with all joints of the robot that move."""
+    names = [joint.name for joint in model.joints if joint.is_movable]
+    return any(
+        _MJCF.match(text) and all(f'name="{name}"' in text for name in names) for text in _list_project_texts(model)
+    )
 
 
 def _has_elements(model: Model) -> bool:

@@ -140,11 +140,15 @@ def _align_equal_axes(corners: Array, variances: Array, axes: Array) -> Array | 
 def is_possible_elsewhere(points: ArrayLike, covariance: ArrayLike, ratio: float = 1.0, margin: float = 0.0) -> bool:
     """Whether a mass inside the hull of ``points`` (K, 3) may have a ``covariance`` (3, 3, m²) about another COM, as far as its
     principal axes say: no variance along them is more than ``ratio`` times half the extent squared (Popoviciu's bound), the hull
-    being ``margin`` (m) larger on all sides."""
-    variances, axes = np.linalg.eigh(np.asarray(covariance, dtype=float))
-    along = np.asarray(points, dtype=float) @ axes
-    half = 0.5 * np.ptp(along, axis=0) + margin
-    return bool((variances <= ratio * half * half).all())
+    being ``margin`` (m) larger on all sides. Where variances are equal, the principal axes of the hull count, too."""
+    spread, corners = np.asarray(covariance, dtype=float), np.asarray(points, dtype=float)
+    variances, axes = np.linalg.eigh(spread)
+    turned = _align_equal_axes(corners, variances, axes)
+    for directions in (axes, axes if turned is None else turned):
+        half = 0.5 * np.ptp(corners @ directions, axis=0) + margin
+        if not (np.einsum("ij,ik,kj->j", directions, spread, directions) <= ratio * half * half).all():
+            return False
+    return True
 
 
 def has_excess_moment(points: ArrayLike, com: ArrayLike, covariance: ArrayLike, margin: float = 0.0) -> bool:

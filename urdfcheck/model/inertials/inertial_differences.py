@@ -16,6 +16,9 @@ from urdfcheck.model.parts import TENSOR_NAMES, Inertial
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
+# Coordinates (m) below this are zero.
+_ZERO = 1e-12
+
 
 def describe_differences(
     actual: DeclaredInertial, expected: DeclaredInertial, deviation: InertialDeviation, threshold: float
@@ -55,5 +58,5 @@ def locate_difference(inertial: Inertial, deviation: InertialDeviation, threshol
 
 
 def format_millimetres(place: Array) -> str:
-    """Format a ``place`` (3,) in m as millimetres with four digits."""
-    return "(" + ", ".join(f"{1e3 * v + 0.0:.4g}" for v in place) + ") mm"
+    """Format a ``place`` (3,) in m as millimetres with four digits; what rotations leave of a zero is one."""
+    return "(" + ", ".join(f"{1e3 * v + 0.0 if abs(v) > _ZERO else 0.0:.4g}" for v in place) + ") mm"

@@ -30,7 +30,7 @@ from urdfcheck.facts.likeness.mirror import (
 from urdfcheck.facts.likeness.symmetry import is_axis_renaming
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_alike_links_elsewhere, mirror_pairs
+from urdfcheck.model.likeness.mirror_pairs import MUCH_BETTER, MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import TENSOR_NAMES, Link
@@ -53,6 +53,10 @@ PRODUCTS = ("ixy", "ixz", "iyz")
 COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
+# Drawings that differ by less, as a share of their size, are the same but for their facets.
+_FACETS = 1e-3
+# Numbers that agree within this share of a length differ in signs only.
+_SIGNED = 0.01
 # Two COMs are far apart beyond this share of the drawn part's radius of gyration; of the way between them, the drawn part's is at
 # the first quarter: three times as near to one as to the other.
 _FAR_COM, _NEAR_IMAGE = 0.3, 0.25
@@ -76,7 +80,8 @@ class PairSide:
     twin: Link
     actual: DeclaredInertial
     expected: DeclaredInertial
-    """Of mirror image and copies of the twin's inertial that the drawings allow, the inertial that is nearest to ``actual``."""
+    """Of mirror image and copies of the twin's inertial that the drawings allow, the inertial that is nearest to ``actual``, or
+    that of which ``actual`` has other signs only."""
     image: DeclaredInertial
     """The twin's inertial mirrored."""
     disallowed: tuple[DeclaredInertial, ...]
@@ -175,15 +180,29 @@ def _make_side(
     twin_numbers: DeclaredInertial,
     inverse: bool,
 ) -> PairSide:
-    """Make one side; of mirror image and copies that the drawings allow, it expects that which is nearest to its numbers."""
+    """Make one side; of mirror image and copies that the drawings allow, it expects the one nearest to its numbers.
+
+    A part that is nearly its own mirror image allows more than one. Where none agrees, one that carries one drawing onto the
+    other much better counts, if the numbers are its own apart from signs.
+    """
     image = mirror_inertial(twin_numbers, pair, inverse=inverse)
-    copies = [
-        (copy_inertial(twin_numbers, copy, inverse=inverse), copy.mismatch < DIFFERENT) for copy in pair.copy_transforms
-    ]
-    allowed, disallowed = ([copy for copy, fits in copies if fits is wanted] for wanted in (True, False))
-    choices = allowed if pair.drawn_as == "copied" else [image, *allowed]
-    nearest = min(choices, key=lambda choice: measure_deviation(actual, choice).worst)
-    return PairSide(link=link, twin=twin, actual=actual, expected=nearest, image=image, disallowed=tuple(disallowed))
+    copies = [(copy_inertial(twin_numbers, copy, inverse=inverse), copy.mismatch) for copy in pair.copy_transforms]
+    choices = [choice for choice in copies if choice[1] < DIFFERENT]
+    if pair.drawn_as != "copied" and pair.mirror_mismatch is not None:
+        choices.insert(0, (image, pair.mirror_mismatch))
+    nearest, near_mismatch = min(choices, key=lambda choice: measure_deviation(actual, choice[0]).worst)
+    best, mismatch = min(choices, key=lambda choice: choice[1])
+    is_proven = near_mismatch > MUCH_BETTER * max(_FACETS, mismatch)
+    if is_proven and measure_deviation(actual, nearest).worst > _SIGNED and find_wrong_signs(actual, best, _SIGNED):
+        nearest = best
+    return PairSide(
+        link=link,
+        twin=twin,
+        actual=actual,
+        expected=nearest,
+        image=image,
+        disallowed=tuple(copy for copy, mismatch in copies if not mismatch < DIFFERENT),
+    )
 
 
 def find_wrong_side(
@@ -310,6 +329,20 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
     if signs == PRODUCTS:
         return "products_sign"
     return "signs" if signs and is_axis_renaming(pair.linear) else None
+
+
+def find_half_turn(side: PairSide, threshold: float) -> str | None:
+    """Find the axis of the link about which half a turn makes the twin's numbers those of the side, signs and all; None where
+    none does: the part of one side may be used on the other, turned."""
+    twin = read_declared_inertial(side.twin)
+    if twin is None or side.deviation.mass > threshold:
+        return None
+    for axis, signs in zip("xyz", 2.0 * np.eye(3) - 1.0, strict=True):
+        turn = np.diag(signs)
+        turned = DeclaredInertial(twin.mass, turn @ twin.com, turn @ twin.inertia @ turn)
+        if measure_deviation(side.actual, turned).worst <= COPIED and _is_derived_from(side, turned, threshold):
+            return axis
+    return None
 
 
 def _has_slipped_coordinate(side: PairSide) -> bool:

@@ -34,7 +34,7 @@ PLACE, PLACE_SHARE = 1e-3, 2e-3
 # The normals of planes that are tried first: left and right, front and back, above and below.
 NORMALS = tuple(np.eye(3)[[1, 0, 2]])
 # Of two ways to bring a part to the other side, both within the tolerance, one is proven by a mismatch so many times smaller.
-_MUCH_BETTER = 3.0
+MUCH_BETTER = 3.0
 # Axes are parallel within 1° (cosine), and so many pairs that are not along them show another plane.
 _PARALLEL, _MIN_FIRM = 0.99985, 2
 # Mismatches below this are what products of rotation matrices leave.
@@ -302,7 +302,7 @@ def _find_better_images(
     if mirror_mismatch <= _ROUNDING:
         return ()
     found: list[CopyTransform] = []
-    still, limit = np.zeros(3), mirror_mismatch / _MUCH_BETTER
+    still, limit = np.zeros(3), mirror_mismatch / MUCH_BETTER
     for signs in (1.0 - 2.0 * np.eye(3), 2.0 * np.eye(3) - 1.0):
         images = [linear @ np.diag(row) for row in signs]
         copies = [

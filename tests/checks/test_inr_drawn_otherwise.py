@@ -1,0 +1,68 @@
+"""INR009: where the drawing may be what is wrong, no number is taken from it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from builders import box, collision, find, inertial, joint, link, mesh, robot, visual
+from castings import geometry, write_stl
+
+from urdfcheck.core import Finding
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
+
+SIZE = (0.4, 0.2, 0.1)
+
+
+def make_pair(folder: Path, *, rpy: str) -> list[Finding]:
+    """Check two links with one tensor, of which one draws a part with these axes."""
+    xx, yy, zz = np.diag(compute_solid_inertia(make_box_solid(SIZE), 8.0)).tolist()
+    numbers = inertial(8, ixx=xx, iyy=yy, izz=zz)
+    parts = [
+        link("base"),
+        link("one", numbers, visual(box("0.4 0.2 0.1"))),
+        joint("to_one", "base", "one", kind="continuous"),
+        link("other", numbers, visual(box("0.4 0.2 0.1"), rpy=rpy)),
+        joint("to_other", "base", "other", kind="continuous", xyz="0 1 0"),
+    ]
+    return find(folder, robot(*parts), {"INR009"})
+
+
+def test_a_shape_may_be_rotated_where_another_link_draws_the_axes_of_the_tensor(tmp_path: Path) -> None:
+    (finding,) = make_pair(tmp_path, rpy="0 1.5707963 0")
+    assert finding.message_id == "rotated"
+    assert "one has the same mass and tensor" in finding.message
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+def test_a_collision_shape_that_is_unlike_an_open_mesh_gives_no_com(tmp_path: Path) -> None:
+    write_stl(tmp_path / "part.stl", [((0.7, 0.6, 0.4), (0.0, 0.0, 0.16))])
+    text = (tmp_path / "part.stl").read_bytes()
+    count = int.from_bytes(text[80:84], "little") - 1
+    (tmp_path / "part.stl").write_bytes(text[:80] + count.to_bytes(4, "little") + text[84 : 84 + 50 * count])
+    own = np.diag(compute_solid_inertia(geometry([((0.266, 0.266, 0.094), (0.0, 0.0, 0.0))]).solid, 1.4)).tolist()
+    numbers = inertial(1.4, ixx=own[0], iyy=own[1], izz=own[2])
+    shapes = (visual(mesh("part.stl")), collision(box("0.266 0.266 0.094"), xyz="-0.064 0 0.047"))
+    arm = robot(link("base"), link("arm", numbers, *shapes), joint("j", "base", "arm", kind="continuous"))
+    (finding,) = find(tmp_path, arm, {"INR009"})
+    assert finding.message_id == "unlike"
+    assert finding.fix is not None
+    assert "0.064" not in finding.message + finding.fix.title
+
+
+@pytest.mark.parametrize(("mass", "found"), [("0.1", False), ("50", True)])
+def test_one_mass_from_which_the_inertias_are_computed_was_chosen(tmp_path: Path, mass: str, found: bool) -> None:
+    parts = [f'<xacro:property name="m" value="{mass}"/>', link("base")]
+    for index, size in enumerate((0.03, 0.04, 0.05, 0.06)):
+        name, moment = f"l{index}", f"${{m/6*s{index}*s{index}}}"
+        numbers = inertial("${m}", ixx=moment, iyy=moment, izz=moment)
+        parts += [
+            f'<xacro:property name="s{index}" value="{size}"/>',
+            link(name, numbers, visual(box(f"{size} {size} {size}"))),
+            joint(f"to_{name}", "base", name, kind="continuous"),
+        ]
+    text = robot(*parts, xacro=True)
+    findings = find(tmp_path, text, {"INR007"}, name="robot.urdf.xacro")
+    assert ([finding.message_id for finding in findings] == ["mass"]) == found
