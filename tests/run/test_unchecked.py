@@ -180,7 +180,7 @@ def test_a_model_that_was_stopped_is_not_checked(accepted: bool, code: int, tmp_
         make_request(
             tmp_path,
             codes={"INR003"},
-            limits=ResourceLimits(seconds=2),
+            limits=ResourceLimits(seconds=1),
             unchecked=Severity.WARNING if accepted else Severity.ERROR,
         )
     )

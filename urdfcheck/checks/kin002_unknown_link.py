@@ -82,10 +82,12 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
     called = attributes[0].value
     related = [*(a.location for a in attributes[1:10]), *(d.location for d in attributes[0].collect_definitions())]
     is_child = any(attribute.owner.tag == "child" for attribute in attributes)
+    # It needs a name of the robot too, whose lack is no finding of its own in a part.
+    is_refused = is_child or "name" not in model.robot.attributes
     data: dict[str, Any] = {
         "called": spell_breaks(called),
         "where": _describe_places(places),
-        "consequences": {"yourdfpy": "refuses the file" if is_child else "loads it"} | _WORLD.get(called, {}),
+        "consequences": {"yourdfpy": "refuses the file" if is_refused else "loads it"} | _WORLD.get(called, {}),
     }
     near = graph.guess_link(attributes[0].owner.tag, called)
     if near is None:
