@@ -75,7 +75,7 @@ def test_a_slip_of_one_side_of_two_is_found_and_shows_both_repairs(tmp_path: Pat
     ],
 )
 def test_two_hubs_are_mirror_images_but_for_a_decimal_point(tmp_path: Path, right: str, found: bool) -> None:
-    """They need no other pair, and may be fixed: nothing is exactly ten times as wide to one side."""
+    """They need no other pair, and may be fixed: exactly ten times as far to one side is hardly meant."""
     joints = "".join(
         f'<joint name="{side}_hub" type="fixed"><origin xyz="{xyz}"/><parent link="base"/><child link="{side}_hub"/></joint>'
         f'<link name="{side}_hub"/>'

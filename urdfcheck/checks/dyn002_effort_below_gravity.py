@@ -34,7 +34,7 @@ _MAX_BOX_DENSITY = 7900.0
 _OUTSIDE, _MISPLACED_SHARE = 0.1, 0.1
 # The share of the mass behind a joint whose links are drawn that says enough about all of it.
 _KNOWN_SHARE = 0.9
-# The most poses, as a share, in which a documented limit may be too small for the robot.
+# The most poses, as a share, in which a documented limit may be too small for the robot: chosen.
 _MOST_POSES = 0.5
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _EFFORT_WITH_UNIT = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)\s*(?:Nm?|N[·.*]m)\b")
@@ -62,7 +62,7 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
         is_placeholder = _is_placeholder(model, effort) and (times > far or effort == _EXPORTED_EFFORT)
         message = "placeholder" if is_placeholder else "weak" if times <= far else "far"
         most = max(load.count for load in loads)
-        # A robot that cannot hold most of its poses has wrong masses, whatever its limits.
+        # A robot that cannot hold half of its poses may have wrong masses, whatever its limits.
         if (
             message == "weak"
             and most < _MOST_POSES * model.samples

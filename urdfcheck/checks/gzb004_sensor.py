@@ -16,7 +16,14 @@ from urdfcheck.model.fixed_joint_lumping import (
     names_fixed_part,
     reduce_fixed_joints,
 )
-from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
+from urdfcheck.model.gazebo import (
+    CAMERA_TYPE,
+    OPTICAL_FRAME_TAG,
+    PLUGIN_FRAME_TAGS,
+    GazeboSensor,
+    is_for_new_gazebo,
+    list_sensors,
+)
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.source.text.tokens import read_typed_content
 from urdfcheck.source.text.values import parse_number
@@ -30,7 +37,7 @@ _TYPES = frozenset({
     "thermal", "thermal_camera", "wide_angle_camera", "wideanglecamera", "wireless_receiver", "wireless_transmitter",
 })  # fmt: skip
 _RENDERED = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox|gpu_")
-_FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id", "frameName", "frame_name"})
+_FRAMES = PLUGIN_FRAME_TAGS | {OPTICAL_FRAME_TAG}
 _NEW_GAZEBO_FRAMES = frozenset({"gz_frame_id", "ignition_frame_id"})
 # Frames that other programs publish.
 _EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})

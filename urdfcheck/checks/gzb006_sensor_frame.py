@@ -12,10 +12,17 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
-from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, is_for_new_gazebo, list_sensors
+from urdfcheck.model.gazebo import (
+    CAMERA_TYPE,
+    FRAME_TAGS,
+    OPTICAL_FRAME_TAG,
+    GazeboSensor,
+    is_for_new_gazebo,
+    list_sensors,
+)
 from urdfcheck.system.files import read_regular, walk
 
-_FRAMES = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id", "optical_frame_id"})
+_FRAMES = FRAME_TAGS | {OPTICAL_FRAME_TAG}
 # The sensors whose data programs place by its frame.
 _PLACED = re.compile(r"camera|depth|rgbd|thermal|segmentation|lidar|ray|imu|sonar")
 # The new Gazebo makes no sensor of these, so nothing is stamped: GZB004 reports them.

@@ -97,13 +97,14 @@ _ASSUMED, _FACETS = 1000.0, 0.01
 MIRROR_CAUSES = frozenset({"unmirrored"})
 # Visual and collision shapes of one link differ by so much where a mesh is in another unit.
 _OTHER_UNIT = 100.0
-# A collision shape is not like what is drawn where a side of its box is off by more than this share of the drawing's size.
+# A collision shape is not like what is drawn where a side of its box is off by more than this share of the drawing's size
+# (chosen).
 _UNLIKE = 0.25
 # A COM is outside its body beyond this share of the body's size, as for INR006.
 _OUTSIDE = 0.1
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
 _FAR_SMALLER = 0.2
-# Moments of bodies whose densities differ are those of uniform ones within this factor.
+# Moments of bodies whose densities differ are those of uniform ones within this factor (chosen).
 _OWN_SUM = 2.0
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
 _MISFITS = ("other link does not fit its drawing", "other links do not fit their drawings")

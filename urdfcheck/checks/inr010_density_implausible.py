@@ -35,7 +35,7 @@ _LIKE_TENSOR = 2.0
 _TOKEN = 2.0
 # A mass that is a thousand times too large is in grams rather than a slip.
 _GRAMS = 3
-# What is larger (m) and never moves is a floor or a wall.
+# What is larger (m, chosen) and never moves is a floor or a wall.
 _ROOM = 2.0
 # The volume in cubic metres to that of a mesh in millimetres that is loaded without a scale.
 _MILLIMETRES = 1e9

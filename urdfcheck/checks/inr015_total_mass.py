@@ -24,7 +24,7 @@ _OTHERS = 0.1
 # So many links with one mass of so many digits are no copies of one part, which a robot has beside others: one of 718 published
 # descriptions has such masses, each that of the assembly.
 _FEWEST_LINKS, _MANY_DIGITS = 4, 6
-# In one unit the heaviest link of a robot weighs up to so many times what the lightest does.
+# In one unit the heaviest link of a robot weighs up to so many times what the lightest does (chosen).
 _SPAN = 1e5
 # Kilograms per tonne.
 _TONNE = 1000.0

@@ -20,7 +20,7 @@ _SETS_DIRECTLY = "gazebo_ros2_control/"
 _SDF_UNLIMITED = -1.0
 # So many joints are a robot of which one joint can be the odd one.
 _MANY = 4
-# rad: 160 turns either way. A range that large means that there is none.
+# rad: 160 turns either way (chosen). A range that large means that there is none.
 _ENDLESS = 1000.0
 _WANTED = {
     "effort": "effort, the highest torque in N·m (force in N),",
@@ -44,7 +44,8 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
     driven = [] if is_held_still(model.robot) else [joint for joint in model.joints if joint.is_driven]
     yield from _check_zeros(model, rule, driven)
     moving = _drop_idle_joints(model, driven)
-    free = [joint for joint in moving if joint.name in _collect_read_joints(model) and _is_endless(joint)]
+    idle = _collect_read_joints(model)
+    free = [joint for joint in moving if joint.name in idle and _is_endless(joint)]
     if beyond := [joint for joint in free if _is_beyond(joint, effort=most_effort, velocity=most_velocity)]:
         largest = _find_largest(beyond)
         name = "velocity" if largest["velocity"] >= most_velocity else "effort"

@@ -95,10 +95,10 @@ def _is_drawn_like_wheel(model: Model, joint: Joint, wheels: Sequence[Joint]) ->
     if joint.type != "continuous" or joint.name not in model.axes or model.tree.child_joints.get(joint.child):
         return False
     names = f"{joint.name} {joint.child}"
-    if WHEEL_CARRIER_NAME.search(names) or NOT_DRIVEN_NAME.search(names):
+    beside = {wheel.child for wheel in wheels if wheel.parent == joint.parent}
+    if not beside or WHEEL_CARRIER_NAME.search(names) or NOT_DRIVEN_NAME.search(names):
         return False
-    alike = list_alike_links(model, joint.child)
-    return any(wheel.parent == joint.parent and wheel.child in alike for wheel in wheels)
+    return not beside.isdisjoint(list_alike_links(model, joint.child))
 
 
 def _may_steer(joint: Joint) -> bool:

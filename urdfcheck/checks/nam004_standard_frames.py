@@ -11,7 +11,7 @@ import numpy as np
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.gazebo import CAMERA_TYPE, GazeboSensor, list_sensors
+from urdfcheck.model.gazebo import CAMERA_TYPE, FRAME_TAGS, GazeboSensor, list_sensors
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import parse_number
 
@@ -19,9 +19,8 @@ from urdfcheck.source.text.values import parse_number
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
 _OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
-# The sensors of Gazebo that make clouds of points, and the elements that name their frame.
+# The sensors of Gazebo that make clouds of points.
 _CLOUD_TYPE = re.compile(r"^(?:depth_camera|rgbd(?:_camera)?)$")
-_STAMPING_TAGS = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id"})
 # Frames of inertial sensors in cameras, which drivers give the word too: no picture is in them.
 _INERTIAL = re.compile(r"(?:^|_)(?:accel|gyro|imu)(?:_|$)", re.IGNORECASE)
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -156,7 +155,7 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
 def _collect_cloud_frames(model: Model) -> set[str]:
     """Return the frames with which Gazebo stamps clouds of points: their x is forward, so a turned frame would turn them."""
     cameras = (sensor.element for sensor in list_sensors(model) if _CLOUD_TYPE.search(sensor.type))
-    return {child.text.strip() for camera in cameras for child in camera.children if child.tag in _STAMPING_TAGS}
+    return {child.text.strip() for camera in cameras for child in camera.children if child.tag in FRAME_TAGS}
 
 
 def _has_rotated_pose(sensor: GazeboSensor) -> bool:

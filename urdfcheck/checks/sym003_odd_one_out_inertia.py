@@ -29,7 +29,7 @@ from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 # The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
 # wrong one of two inertials is three times as far from it.
 MAX_FIT_DEVIATION, MIN_DEVIATION_RATIO = 0.1, 3.0
-# The tensor of a part whose inertial is farther than this from that of the uniform part is no model for its copy.
+# The tensor of a part whose inertial is farther than this from that of the uniform part is no model for its copy (chosen).
 MAX_PLAUSIBLE_MISS = 1.0
 # Beyond this no motor or screw explains how far an inertial is from its drawing: a COM beside the part, moments of half the size.
 MIN_CERTAIN_MISS = 0.5

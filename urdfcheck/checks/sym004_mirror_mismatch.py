@@ -84,7 +84,7 @@ _SAME_COM = 0.01
 # Of numbers that are the other side's apart from signs one is the image of the other, whatever else is wrong with both.
 _SIGN_CAUSES = frozenset({"signs", "products_sign", *CONTRADICTIONS})
 _EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
-# A COM that is off by less (m) may be that of a part that was turned, not mirrored, without making a difference.
+# A COM that is off by less (m) may be that of a part that was turned, not mirrored, without making a difference (chosen).
 _SLIGHT_TURN = 1e-3
 _COMPARE_DRAWINGS = "compare both with the CAD model: the drawing of one side or its inertial is that of another part"
 _EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
@@ -93,7 +93,7 @@ _MASS_MATRIX = "the mass matrix differs between the two sides"
 _OFF_PLANE = "the COM of the body that holds both is shifted to one side"
 _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal sides"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
-# Joints of limbs are slower (rad/s or m/s).
+# Joints of limbs are slower (rad/s or m/s): chosen.
 _UNREACHED = 100.0
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3

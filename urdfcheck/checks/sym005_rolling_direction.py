@@ -45,13 +45,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # Of equally many either may be meant, and a controller may negate one side: nothing is edited then. Nor where a wheel is
     # off the ground: it may be the one that makes the numbers equal.
     are_equal = len(odd) == len(rest)
-    neighbour = (
-        None
-        if any(_drives(names, odd) and _drives(names, rest) for names in driven)
-        else _find_neighbour(model, odd, rest)
-    )
+    are_driven_together = any(_drives(names, odd) and _drives(names, rest) for names in driven)
+    neighbour = None if are_driven_together else _find_neighbour(model, odd, rest)
     if are_equal:
-        matters = any(_drives(names, odd) and _drives(names, rest) for names in driven)
+        matters = are_driven_together
     else:
         # A wheel that none of those who drive the others names turns freely.
         driven = [*driven, _list_transmitted_joints(model)]

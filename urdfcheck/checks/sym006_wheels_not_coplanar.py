@@ -16,7 +16,7 @@ from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.number_text import keep_notation
 
-# Wheels of one row, or of one axle, are level with each other to this (m).
+# Wheels of one row, or of one axle, are level with each other to this (m, chosen).
 _IN_ROW = 1e-3
 
 

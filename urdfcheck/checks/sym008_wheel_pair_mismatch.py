@@ -17,7 +17,7 @@ from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 
 # A wheel this straight (rad) is not the tilted one of a pair.
 _STRAIGHT = 0.003
-# Coordinates (m) that are the same on both sides.
+# Coordinates (m) that are the same on both sides to within this: chosen.
 _SAME_PLACE = 5e-4
 
 

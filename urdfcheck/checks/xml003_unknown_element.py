@@ -77,7 +77,7 @@ _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
 # Those that name other elements: a link needs none.
 _NAMING = frozenset({"parent", "child"})
-# What is typed twice, rounded, is one number.
+# What is typed twice, rounded, is one number: a share, chosen.
 _SAME = 0.03
 _AGREE = {False: "has its", True: "have their"}
 RENAMING = "write `<{near}>`, also in the end tag"

@@ -10,6 +10,11 @@ from urdfcheck.source.text.xml import Element
 
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
 
+# The elements that name the frame of a sensor's messages: in the sensors of the new Gazebo, and in plugins of Classic too.
+FRAME_TAGS = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id"})
+PLUGIN_FRAME_TAGS = FRAME_TAGS | {"frameName", "frame_name"}
+# The element that names the frame of a camera's pictures.
+OPTICAL_FRAME_TAG = "optical_frame_id"
 # The types of sensors that take pictures.
 CAMERA_TYPE = re.compile(r"camera|depth|rgbd|thermal|segmentation|boundingbox")
 

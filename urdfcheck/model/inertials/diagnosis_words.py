@@ -54,7 +54,8 @@ _MUCH_LESS = 0.25
 _NO_SHAPE = 100.0
 # A tensor so many times farther off than its principal moments is about other axes.
 _ROTATED = 1.5
-# A tensor that stays farther off than this share of its distance shows the mistake by its signs or axes, not by that number.
+# A tensor that stays farther off than this share of its distance shows the mistake by its signs or axes, not by that number
+# (chosen).
 _BETTER = 0.8
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(

@@ -53,9 +53,9 @@ PRODUCTS = ("ixy", "ixz", "iyz")
 COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
-# Drawings that differ by less, as a share of their size, are the same but for their facets.
+# Drawings that differ by less, as a share of their size, are the same but for their facets (chosen).
 _FACETS = 1e-3
-# Numbers that agree within this share of a length differ in signs only.
+# Numbers that agree within this share of a length differ in signs only (chosen).
 _SIGNED = 0.01
 # Two COMs are far apart beyond this share of the drawn part's radius of gyration; of the way between them, the drawn part's is at
 # the first quarter: three times as near to one as to the other.

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.model.gazebo import GazeboSensor, list_sensors
+from urdfcheck.model.gazebo import PLUGIN_FRAME_TAGS, GazeboSensor, list_sensors
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
@@ -27,8 +27,6 @@ _MOST_AZIMUTHS, _MOST_LAYERS = 720, 16
 # Rays in the plane of a face end at it or pass it by the last digit of a number. What they meet only there, and not this far (m)
 # above and below too, is not certain.
 _BESIDE = 1e-4
-# The elements that name the frame of a sensor's messages, in Gazebo Classic's plugins and in the sensors of its successor.
-_FRAME_TAGS = frozenset({"frame_name", "frameName", "frame_id", "gz_frame_id", "ignition_frame_id"})
 # An angle (rad) beyond those of a mount that is aligned: chosen.
 _TURNED = 0.1
 # Types of sensors whose rays are rendered, so that they see visuals, and the one whose rays are collided with shapes.
@@ -147,7 +145,7 @@ def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
 
 def _find_frame_link(model: Model, sensor: GazeboSensor) -> str | None:
     """Find the link that a sensor or its plugin names as the frame of its messages."""
-    names = [element.text.strip().lstrip("/") for element in sensor.element.walk() if element.tag in _FRAME_TAGS]
+    names = [element.text.strip().lstrip("/") for element in sensor.element.walk() if element.tag in PLUGIN_FRAME_TAGS]
     return names[0] if len(set(names)) == 1 and names[0] in model.frames else None
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import re
@@ -159,7 +160,9 @@ def _read_folder(path: str) -> tuple[bool, Sequence[str], Sequence[str]]:
     with os.scandir(path) as entries:
         for entry in entries:
             has_manifest |= entry.name in _MANIFESTS
-            if not entry.name.startswith("."):
+            if entry.name.startswith("."):
+                continue
+            with contextlib.suppress(OSError):  # what cannot be examined is not a folder, and does not hide the others
                 if entry.is_symlink():
                     links.append(entry.name)
                 elif entry.is_dir():

@@ -17,11 +17,12 @@ from urdfcheck.model.robot import Model
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
-# So many other pairs agree.
+# So many other pairs agree (chosen).
 _WITNESSES = 4
 # Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
 _SAME = {"axis": 2e-3, "xyz": 1e-3, "rpy": 2e-3}
-# A smaller angle (rad) is one between two exports; a multiple of the step, to within this, is an arrangement.
+# A smaller angle (rad) is one between two exports; a multiple of the step, to within this, is an arrangement. All
+# three are chosen.
 _LEAST, _STEP, _ROUND = math.radians(1), math.radians(15), math.radians(0.06)
 # Cosine: axes along other lines.
 _APART = 0.99
@@ -96,7 +97,7 @@ def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
     first, second = (_read(joint, attribute) for joint in pair)
     if first is None or second is None or not _agree(pair, "xyz") or not _is_drawn_alike(model, pair):
         return False
-    before = {joint.child: joint for joint in model.joints}
+    before = model.tree.parent_joint
     behind = [(before.get(one), before.get(other)) for one, other in list_named_pairs(model)]
     if any(
         not _agree((one, other), "xyz")

@@ -99,7 +99,7 @@ def _is_slipped_point(pair: _Pair) -> bool:
 def _is_mirrored_but_for_a_point(pair: _Pair) -> bool:
     """Whether two joints on one link are mirror images but for the decimal point of the coordinate that has opposite signs.
 
-    No robot is wide to one side so, and to the other exactly ten times as wide: that needs no other pair.
+    A part that is exactly ten times as far to one side as its counterpart to the other is hardly meant: that needs no other pair.
     """
     if pair.lone is None or not pair.is_shown or pair.one.parent != pair.other.parent:
         return False
