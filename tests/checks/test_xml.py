@@ -1083,6 +1083,13 @@ class TestXML010:
 
 
 class TestXML011:
+    def test_a_definition_elsewhere_gives_the_colour(self, tmp_path: Path) -> None:
+        other = '<material name="paint"><color rgba="0.1 0.2  0.3 1"/></material>'
+        (tmp_path / "other.urdf").write_text(f'<robot name="o">{other}<link name="a"/></robot>')
+        shape = '<visual><geometry><sphere radius="1"/></geometry><material name="paint"/></visual>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML011")
+        assert 'rgba="0.1 0.2 0.3 1"/></material>` (its colour in ' in finding.fix.title
+
     GREY = '<material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
     REFERENCE = SHAPE.format('<material name="grey"/>')
 
