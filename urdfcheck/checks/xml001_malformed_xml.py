@@ -74,15 +74,43 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
                 message = "forgiven"
-            unread = _REPAIR_OF_UNREACHABLE if problem.message == OUT_OF_REACH else _REPAIR_OF_UNREADABLE
+            unread = _REPAIR_OF_UNREADABLE
+            if problem.message == OUT_OF_REACH:
+                finding = _report_place_here(source, problem, rule)
+                if finding is not None:
+                    yield finding
+                    continue
+                unread = _REPAIR_OF_UNREACHABLE
             repair = _describe_declaration(problem) if problem.kind == "prefix" else problem.data.get("repair", unread)
-            yield rule.finding(message, at=location, cause=cause, error=problem.message, repair=repair)
+            yield rule.finding(
+                message, at=location, cause=cause, file=source.name, error=problem.message, repair=repair
+            )
     for problem in source.find_problems(*_MISREAD):
         data = {**problem.data, "count": len(problem.data["places"])}
         first, *others = data.pop("places")
         listed = f"the value {problem.message!r}"
         listed += f" and {len(others)} more" if others else ""
         yield rule.finding(problem.kind, at=first, related=others[:9], severity=Severity.WARNING, listed=listed, **data)
+
+
+def _report_place_here(source: Source, problem: Problem, rule: Rule) -> Finding | None:
+    """Report a path out of reach that ends as that of a file in a package here, whose place a launch file should name."""
+    parts, packages = source.path.parts, source.finder.list_packages()
+    for index in (i for i, part in enumerate(parts[:-1]) if part in packages):
+        package, inside = parts[index], "/".join(parts[index + 1 :])
+        place = packages[package] / inside
+        if source.finder.can_open(place) and place.is_file():
+            is_ros1 = problem.location.file.endswith(".launch")
+            repair = f"write `$(find {package})/{inside}`" if is_ros1 else f"name {inside} by its package {package}"
+            return rule.finding(
+                "elsewhere",
+                at=problem.location,
+                file=source.path.as_posix(),
+                package=package,
+                inside=inside,
+                repair=repair,
+            )
+    return None
 
 
 def _describe_declaration(problem: Problem) -> str:
