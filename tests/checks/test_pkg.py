@@ -853,6 +853,14 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
     assert bool(finding.fix.edits) == (message == "undeclared")
 
 
+@pytest.mark.parametrize(("name", "place"), [("gazebo_plugins", "launch/a.launch"), ("p", "test/a.launch")])
+def test_an_unknown_package_of_tests_or_of_a_released_package_is_a_note(tmp_path: Path, name: str, place: str) -> None:
+    launch = '<launch><include file="$(find arm5)/a.launch"/></launch>'
+    write(tmp_path, {"package.xml": manifest(name=name), "urdf/r.urdf": URDF, place: launch})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert (finding.message_id, finding.severity) == ("unknown", Severity.INFO)
+
+
 @pytest.mark.parametrize(
     ("ament", "place", "told"),
     [

@@ -164,6 +164,9 @@ def _build_finding(
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
     is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses))
+    # Where ROS has released this package, its users do without what only its author has.
+    is_spare = package.name in read_released_packages() or set(tags.values()) == {"test_depend"}
+    is_note |= message in _UNKNOWN and is_spare
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
@@ -314,15 +317,18 @@ def _build_misnamed_finding(
     owner, path = home
     launcher = name_launch_command(root)
     is_left_over = launcher == "ros2_launch" and all(_is_in_launch_file_of_ros1(use) for use in uses)
+    is_released = name in read_released_packages()
     if is_left_over:
         repair = "delete the launch files that were left from ROS 1, or translate them if they are still needed"
+    elif is_released:
+        repair = f"declare it: `<{runtime}>{name}</{runtime}>`; or write `{owner}` and the path `{path}` if that file is meant"
     else:
         repair = (
             f"write `{owner}` and the path `{path}` if {name} is an old name; if it is another package, declare it: "
         )
         repair += f"`<{runtime}>{name}</{runtime}>`"
     finding = rule.finding(
-        "misnamed",
+        "copied" if is_released else "misnamed",
         at=uses[0].location,
         related=[use.location for use in uses[1:3]],
         name=name,
