@@ -74,7 +74,7 @@ _MOST_FILES = 20_000
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
-    if root is None or file is None or root.tag != "package":
+    if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
         return
     declared = {package.name, *package.dependencies}
     undeclared: dict[str, list[PackageMention]] = {}
@@ -82,6 +82,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
     missing = _select_missing(package, undeclared) if undeclared else {}
+    for name in [name for name in missing if _is_inside_another(_find_package(package, name), package)]:
+        del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
     for name, home in homes.items():
@@ -113,6 +115,12 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         missing |= _select_missing(package, _collect_started(package, declared | homes.keys()))
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _is_inside_another(folder: Path | None, package: Package) -> bool:
+    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there."""
+    around = [] if package.finder is None else package.finder.list_parent_folders()
+    return folder is not None and any((outer / "package.xml").is_file() for outer in around if outer in folder.parents)
 
 
 def _select_missing(

@@ -10,6 +10,7 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.reach import OUT_OF_REACH
+from urdfcheck.source.resources import find_in_named_package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile
@@ -95,22 +96,14 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
 
 def _report_place_here(source: Source, problem: Problem, rule: Rule) -> Finding | None:
     """Report a path out of reach that ends as that of a file in a package here, whose place a launch file should name."""
-    parts, packages = source.path.parts, source.finder.list_packages()
-    for index in (i for i, part in enumerate(parts[:-1]) if part in packages):
-        package, inside = parts[index], "/".join(parts[index + 1 :])
-        place = packages[package] / inside
-        if source.finder.can_open(place) and place.is_file():
-            is_ros1 = problem.location.file.endswith(".launch")
-            repair = f"write `$(find {package})/{inside}`" if is_ros1 else f"name {inside} by its package {package}"
-            return rule.finding(
-                "elsewhere",
-                at=problem.location,
-                file=source.path.as_posix(),
-                package=package,
-                inside=inside,
-                repair=repair,
-            )
-    return None
+    named = find_in_named_package(source.path, source.finder)
+    if named is None:
+        return None
+    package, inside = named
+    is_ros1 = problem.location.file.endswith(".launch")
+    repair = f"write `$(find {package})/{inside}`" if is_ros1 else f"name {inside} by its package {package}"
+    file = source.path.as_posix()
+    return rule.finding("elsewhere", at=problem.location, file=file, package=package, inside=inside, repair=repair)
 
 
 def _describe_declaration(problem: Problem) -> str:
