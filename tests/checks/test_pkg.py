@@ -853,6 +853,17 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
     assert bool(finding.fix.edits) == (message == "undeclared")
 
 
+@pytest.mark.parametrize(("depends", "message"), [("q", "files-declared"), ("r", "files")])
+def test_a_package_is_declared_through_another(tmp_path: Path, depends: str, message: str) -> None:
+    mesh = '<visual><geometry><mesh filename="package://arm5/a.stl"/></geometry></visual>'
+    urdf = f'<robot name="r"><link name="a">{mesh}</link></robot>'
+    write(tmp_path / "p", {"package.xml": manifest(f"<depend>{depends}</depend>"), "urdf/r.urdf": urdf})
+    write(tmp_path, {".git/HEAD": "", "q/package.xml": manifest("<depend>arm5</depend>", name="q")})
+    (finding,) = check(tmp_path / "p/urdf/r.urdf", codes={"PKG001"}).findings
+    assert finding.message_id == message
+    assert ("package.xml of q depends on it" in finding.message) == (message == "files-declared")
+
+
 def test_a_package_inside_another_is_not_built(tmp_path: Path) -> None:
     launch = '<launch><include file="$(find inner)/launch/a.launch"/><include file="$(find rviz)/a.launch"/></launch>'
     write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})

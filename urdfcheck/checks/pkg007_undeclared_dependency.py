@@ -13,6 +13,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
+from urdfcheck.source.package.dependencies import collect_dependencies
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
@@ -40,8 +41,6 @@ _PARTS_OF = {
     "ros_base": ("",),
     "ros_core": ("",),
 }
-# The dependencies of so many packages are read.
-_MAX_MANIFESTS = 1_000
 _TEST_FOLDERS = {"test", "tests"}
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
@@ -96,7 +95,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     if unknown:
         message = "unknown" if len(unknown) == 1 else "unknown-several"
         yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
-    circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
+    circular = [name for name in missing if package.name in collect_dependencies(package.finder, [name])]
     for name in circular:
         yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
     # Their own lines are missing too: each would be right alone, and together they are a cycle.
@@ -127,7 +126,7 @@ def _select_missing(
     package: Package, undeclared: Mapping[str, list[PackageMention]]
 ) -> dict[str, list[PackageMention]]:
     """Return the undeclared packages that no declared one brings and that must be declared."""
-    covered = _collect_dependencies(package, package.dependencies)
+    covered = collect_dependencies(package.finder, package.dependencies)
     parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
     return {
         name: uses
@@ -151,7 +150,7 @@ def _collect_started(package: Package, declared: Collection[str]) -> dict[str, l
 def _is_above(package: Package, name: str) -> bool:
     """Whether another package needs this one, or is named as if it did."""
     return (
-        package.name in _collect_dependencies(package, [name])
+        package.name in collect_dependencies(package.finder, [name])
         or _uses_files_of(package, name)
         or _is_probably_above(package, name)
     )
@@ -410,23 +409,6 @@ def _find_in_package(
     if not paths or not all(path and "$" not in path and (package.path / path).is_file() for path in paths):
         return None
     return package.name, paths[0]
-
-
-def _collect_dependencies(package: Package, names: Iterable[str]) -> set[str]:
-    """Return the dependencies of these packages, as far as they are found, and of those, and so on."""
-    covered: set[str] = set()
-    left = sorted(names)
-    for _ in range(_MAX_MANIFESTS):
-        if not left or package.finder is None:
-            break
-        folder = package.finder.find(left.pop())
-        further = (
-            None if folder is None or not package.finder.can_open(folder / "package.xml") else load_package(folder)
-        )
-        if further is not None:
-            left += sorted(further.dependencies - covered)
-            covered |= further.dependencies
-    return covered
 
 
 def _uses_files_of(package: Package, name: str) -> bool:
