@@ -44,6 +44,8 @@ def fixed(name: str, content: str, parent: str = "arm") -> str:
         ({"../sim/package.xml": "<package><name>sim</name><depend>ros_gz</depend></package>"}, "display"),
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='sim_arm.urdf'/></launch>"}, "display"),
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='arm.urdf'/></launch>"}, "kinematic"),
+        ({"launch/sim.launch": "<launch>gazebo_ros <node args='$(find arm)/arm.urdf'/></launch>"}, "kinematic"),
+        ({"launch/sim.launch": "<launch>gazebo_ros <node args='$(find arm)/new/arm.urdf'/></launch>"}, "display"),
     ],
 )
 def test_a_robot_without_inertials_matters_where_it_is_simulated(

@@ -377,6 +377,26 @@ def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text:
     assert codes(check_text(tmp_path, text, codes={"KIN010"})) == (["KIN010"] if vanishes else [])
 
 
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ("<launch>gazebo_ros $(find p)/urdf/other.urdf</launch>", Severity.INFO),
+        ("<launch>gazebo_ros $(find p)/urdf/r.urdf.xacro $(find p)/urdf/other.urdf</launch>", Severity.WARNING),
+        (
+            "<launch>gazebo_ros other.urdf <param name='robot_description' textfile='r.urdf'/></launch>",
+            Severity.WARNING,
+        ),
+        ("<launch>gazebo_ros</launch>", Severity.WARNING),
+        ("<launch>rviz other.urdf</launch>", Severity.WARNING),
+    ],
+)
+def test_a_robot_that_nothing_gives_to_gazebo_may_vanish_there(tmp_path: Path, launch: str, severity: Severity) -> None:
+    for name, text in (("package.xml", "<package><name>p</name></package>"), ("sim.launch", launch)):
+        (tmp_path / name).write_text(text)
+    (finding,) = check_text(tmp_path, moving("base", ""), codes={"KIN010"}, name="r.urdf").findings
+    assert finding.severity is severity
+
+
 def test_a_model_that_is_only_drawn_is_reported_once(tmp_path: Path) -> None:
     """Every mass is 0: the error about the drawn link that moves says that Gazebo drops it."""
     nothing, shape = inertial(0, 0), visual(box("1 1 1"))

@@ -853,6 +853,33 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
     assert bool(finding.fix.edits) == (message == "undeclared")
 
 
+@pytest.mark.parametrize(("depends", "message"), [("q", "files-declared"), ("r", "files")])
+def test_a_package_is_declared_through_another(tmp_path: Path, depends: str, message: str) -> None:
+    mesh = '<visual><geometry><mesh filename="package://arm5/a.stl"/></geometry></visual>'
+    urdf = f'<robot name="r"><link name="a">{mesh}</link></robot>'
+    write(tmp_path / "p", {"package.xml": manifest(f"<depend>{depends}</depend>"), "urdf/r.urdf": urdf})
+    write(tmp_path, {".git/HEAD": "", "q/package.xml": manifest("<depend>arm5</depend>", name="q")})
+    (finding,) = check(tmp_path / "p/urdf/r.urdf", codes={"PKG001"}).findings
+    assert finding.message_id == message
+    assert ("package.xml of q depends on it" in finding.message) == (message == "files-declared")
+
+
+def test_a_package_inside_another_is_not_built(tmp_path: Path) -> None:
+    launch = '<launch><include file="$(find inner)/launch/a.launch"/><include file="$(find rviz)/a.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    write(tmp_path / "p" / "inner", {"package.xml": manifest(name="inner"), "launch/a.launch": launch, "r.urdf": URDF})
+    write(tmp_path, {".git/HEAD": ""})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == [["rviz"]]
+
+
+@pytest.mark.parametrize(("name", "place"), [("gazebo_plugins", "launch/a.launch"), ("p", "test/a.launch")])
+def test_an_unknown_package_of_tests_or_of_a_released_package_is_a_note(tmp_path: Path, name: str, place: str) -> None:
+    launch = '<launch><include file="$(find arm5)/a.launch"/></launch>'
+    write(tmp_path, {"package.xml": manifest(name=name), "urdf/r.urdf": URDF, place: launch})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert (finding.message_id, finding.severity) == ("unknown", Severity.INFO)
+
+
 @pytest.mark.parametrize(
     ("ament", "place", "told"),
     [

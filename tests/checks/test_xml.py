@@ -366,7 +366,7 @@ class TestXML003:
             ('<link name="a"/>', "inertial", "move it into link a, which ends just before it"),
             ('<link name="a"><inertial/></link>', "inertial", "delete it: link a before it has its own <inertial>"),
             ("<gazebo/>", "inertial", "move it into <link>, or delete it where that has one already"),
-            ("", "origin", "delete it: the place of the whole robot is given where it is spawned"),
+            ('<joint name="j"/>', "origin", "move it into joint j, which ends just before it"),
         ],
     )
     def test_an_element_of_the_robot_belongs_in_the_one_before_it(
@@ -378,6 +378,11 @@ class TestXML003:
         ]
         assert found[0].fix is not None
         assert found[0].fix.title.startswith(repair)
+
+    @pytest.mark.parametrize("before", ["", '<link name="a"/>', '<joint name="j"><origin xyz="1 0 0"/></joint>'])
+    def test_an_origin_of_the_robot_is_read_by_gazebo(self, tmp_path: Path, before: str) -> None:
+        text = f'<robot name="r">{before}<origin xyz="0 0 1"/><link name="b"/></robot>'
+        assert not findings(tmp_path, text, "XML003")
 
     def test_an_element_before_its_twin_is_left_over(self, tmp_path: Path) -> None:
         joint = '<joint name="j" type="fixed"><origin xyz="0.0 0 1"/><parent link="a"/><child link="b"/></joint>'
@@ -1083,6 +1088,13 @@ class TestXML010:
 
 
 class TestXML011:
+    def test_a_definition_elsewhere_gives_the_colour(self, tmp_path: Path) -> None:
+        other = '<material name="paint"><color rgba="0.1 0.2  0.3 1"/></material>'
+        (tmp_path / "other.urdf").write_text(f'<robot name="o">{other}<link name="a"/></robot>')
+        shape = '<visual><geometry><sphere radius="1"/></geometry><material name="paint"/></visual>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML011")
+        assert 'rgba="0.1 0.2 0.3 1"/></material>` (its colour in ' in finding.fix.title
+
     GREY = '<material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
     REFERENCE = SHAPE.format('<material name="grey"/>')
 

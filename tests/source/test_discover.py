@@ -243,6 +243,28 @@ def test_a_xacro_that_is_included_is_no_model_of_its_own(workspace: Path) -> Non
     assert models(".") == ["pkg/other.xacro", "pkg/top.urdf.xacro"]
 
 
+def test_a_file_means_its_own_package_where_another_one_has_the_name(workspace: Path) -> None:
+    robot = xacro(LINK + include("$(find p)/urdf/sensors.xacro"))
+    parts = {f"{place}/package.xml": manifest("p") for place in ("p", "p/p")}
+    parts |= {f"{place}/urdf/robot.xacro": robot for place in ("p", "p/p")}
+    parts |= {f"{place}/urdf/sensors.xacro": xacro(LINK, name="") for place in ("p", "p/p")}
+    write(workspace, parts)
+    assert models(".") == ["p/p/urdf/robot.xacro", "p/urdf/robot.xacro"]
+
+
+def test_a_file_of_a_third_package_may_mean_each_package_of_a_name(workspace: Path) -> None:
+    write(
+        workspace,
+        {
+            "robot/package.xml": manifest("robot"),
+            "robot/robot.xacro": xacro(LINK + include("$(find p)/sensors.xacro")),
+            **{f"{place}/package.xml": manifest("p") for place in ("ros1/p", "ros2/p")},
+            **{f"{place}/sensors.xacro": xacro(LINK, name="") for place in ("ros1/p", "ros2/p")},
+        },
+    )
+    assert models(".") == ["robot/robot.xacro"]
+
+
 def test_a_plain_part_with_a_name_is_checked_in_the_robot_that_includes_it(workspace: Path) -> None:
     joint = '<joint name="j" type="fixed"><parent link="base_link"/><child link="imu"/></joint>'
     part = f'<robot name="r"><link name="imu"/>{joint}</robot>'

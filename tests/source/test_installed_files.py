@@ -52,6 +52,11 @@ def read_setup(text: str) -> InstalledFiles | None:
         ("file(GLOB fs a/*.urdf)\ninstall(FILES ${fs} DESTINATION share/p/urdf)", "urdf/z.yaml", None),
         ("foreach(d a b)\ninstall(DIRECTORY x/${d}/ DESTINATION share/p/${d})\nendforeach()", "b/f", "x/b/f"),
         ("ament_auto_package(INSTALL_TO_SHARE x/launch config)", "launch/f", "x/launch/f"),
+        # what the build makes out of a xacro file stands for that file
+        ("xacro_add_files(x/a.urdf.xacro TARGET t INSTALL DESTINATION urdf)", "urdf/a.urdf", "x/a.urdf.xacro"),
+        ("xacro_add_files(x/a.urdf.xacro TARGET t INSTALL DESTINATION urdf)", "urdf/a.urdf.xacro", None),
+        ("set(fs a.xacro)\nxacro_add_files(${fs} REMAP b:=1 INSTALL)", "a", "a.xacro"),
+        ("xacro_add_files(x/a.urdf.xacro TARGET t)", "urdf/a.urdf", None),
         (f"# install(DIRECTORY description/urdf {FOR_SHARE})", "urdf/a.urdf", None),
         # a path that leaves a folder begins where the folder's files are installed
         (f"install(DIRECTORY a/urdf b/parts {FOR_SHARE})", "a/urdf/../parts/w.xacro", "b/parts/w.xacro"),

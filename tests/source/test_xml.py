@@ -273,6 +273,8 @@ def test_nesting_ends_at_a_limit() -> None:
         ('<robot a="é & b"/>', "`&` must begin the name of an entity", 1, 13),
         ("<robot>é & b</robot>", "`&` must begin the name of an entity", 1, 10),
         ("<robot>é &lt b</robot>", "`&lt` lacks its semicolon", 1, 10),
+        ('<a><b c="<a-b>/d"/></a>', "the placeholder `<a-b>` in an attribute value is not filled in", 1, 10),
+        ('<a><b c="<a-b>\n</a>', "an attribute value, whose quotes open in line 1, contains `<`", 1, 10),
         ('<robot a="1 < 2"/>', "an attribute value, whose quotes open in line 1, contains `<`", 1, 13),
         (
             "<robot a=\"é/>\n<b c='d'/></robot>",

@@ -8,6 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
+from urdfcheck.model.simulation_use import is_left_out_of_gazebo
 
 # libsdformat takes a smaller mass for zero (gz::math::equal).
 _NO_MASS = 1e-6
@@ -42,6 +43,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     head, links = next(iter(bodies.items()))
     attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
     is_static = len(bodies) == 1 and links[0].inertial is not None and links[0].inertial.mass == 0
+    is_note = (is_static and not any(j.is_movable for j in model.joints)) or is_left_out_of_gazebo(model)
     root_mass = sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
     yield rule.finding(
         "tiny" if root_mass > 0.0 else "vanishes",
@@ -54,7 +56,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         joints=join_names(joint.name for joint in model.joints if joint.name in attached),
         mass=sum(declared.mass for declared in model.masses),
         # Such as the ground that comes with PyBullet, and obstacles that stand on it.
-        severity=Severity.INFO if is_static and not root_mass and not any(j.is_movable for j in model.joints) else None,
+        severity=Severity.INFO if is_note and not root_mass else None,
         below=_describe_carriers(model, preserved, links),
         also=_STATIC if is_static else "",
         consequences=_FIXED if is_static else None,

@@ -13,7 +13,10 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.shapes.extent import find_lowest_point
+from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.launch.node_graph import build_launch_scene
 from urdfcheck.source.launch.static_transforms import StaticTransform
+from urdfcheck.source.package.finder import format_path
 
 # Numbers that were rounded differ by less: degrees and metres.
 _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
@@ -22,7 +25,8 @@ _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
-    launch, model = context.launch, context.model
+    launch = context.launch
+    model = context.model if context.model is None or _may_be_published(launch, context.model) else None
     placed = {t.child for t in launch.transforms}
     for transform in launch.transforms:
         if model is not None and transform.child in model.link_by_name:
@@ -31,6 +35,17 @@ def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: fl
             yield from _check_footprint(rule, transform, model, height_tol=height_tol)
         elif model is not None and transform.parent not in placed:
             yield from _check_unknown_parent(rule, transform, model, likeness=likeness)
+
+
+def _may_be_published(launch: Launch, model: Model) -> bool:
+    """Whether a robot_state_publisher gets the model, or the launch file starts none."""
+    if not launch.transforms:
+        return False
+    scene = build_launch_scene(launch)
+    publishers = [n for n in scene.nodes if n.program.partition("/")[0] == "robot_state_publisher" and not n.off]
+    parameters = {port for node in publishers for port in node.reads}
+    read = {p.origin for p in scene.parameters if p.port in parameters}
+    return not publishers or format_path(model.source.path) in read
 
 
 def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:

@@ -8,6 +8,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.static_transforms import get_executable
+from urdfcheck.source.ros.distributions import is_only_before_noetic
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
@@ -28,7 +29,9 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     )
     for element in launch.root.walk():
         message = _classify_leftover(element)
-        if message is not None and (message != "use-gui" or may_publish):
+        if message == "use-gui" and (not may_publish or is_only_before_noetic(launch.finder)):
+            continue
+        if message is not None:
             data: dict[str, Any] = {"sliders": sliders} if message == "use-gui" else {}
             yield rule.finding(
                 message,

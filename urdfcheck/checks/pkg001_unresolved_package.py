@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.dependencies import find_dependent
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -57,7 +58,8 @@ def _build_finding(
     related: Iterable[Located | Location],
     uses: Sequence[ResourceUse] = (),
 ) -> Finding:
-    declared = source.package is not None and package in source.package.dependencies
+    dependent = _find_dependent(source, package, at)
+    declared = dependent is not None
     owners = _find_package_with_files(uses, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
@@ -91,6 +93,9 @@ def _build_finding(
         else None,
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
+        manifest="package.xml"
+        if source.package and dependent == source.package.name
+        else f"package.xml of {dependent}",
         repair=repair,
         remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",
         files=files,
@@ -110,6 +115,14 @@ def _build_finding(
         )
         + named_by,
     )
+
+
+def _find_dependent(source: Source, package: str, at: Location) -> str | None:
+    """Return the package that depends on a missing one: the model's, that of the file that names it, or one below these."""
+    file = None if at.span is None else source.files.get(at.span.file)
+    naming = None if file is None else source.finder.find_package_of(file.path.absolute())
+    found = (find_dependent(one, package, source.finder) for one in (source.package, naming) if one is not None)
+    return next(filter(None, found), None)
 
 
 def _explain_by_argument(

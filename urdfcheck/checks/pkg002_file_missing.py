@@ -253,12 +253,13 @@ def _find_similar_files(path: Path, index: FilesByName) -> list[Path]:
         beside = os.listdir(path.parent)
     except OSError:
         beside = []
+    meshes = [name for name in beside if name.lower().endswith(MESH_SUFFIXES)]
     # Where other meshes lie in the folder, it is the right one, and a file of this name in the folder of another robot is not.
-    if any(name.lower().endswith(MESH_SUFFIXES) for name in beside):
+    if meshes:
         same = [p for p in same if path.parent in p.parents or p.parent in path.parents]
     if same:
         return same[:2]
-    close = find_similar_name(path.name, beside)
+    close = find_similar_name(path.name, meshes)
     return [path.parent / close] if close else []
 
 

@@ -15,6 +15,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import (
     ResourceUse,
+    find_in_named_package,
     find_in_package,
     find_machine_path,
     format_path_from_model,
@@ -99,9 +100,10 @@ def _find_installed_path(use: ResourceUse) -> str | None:
 
 
 def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
-    """Return the package path of a file in the model's own package, or None for another file.
+    """Return the package path of a file, or None for one that is in no package here.
 
-    The path may be that of another machine: what follows the name of the package there is then a file of the package here.
+    The path may be that of another machine: what follows the name of a package there, the model's own first, is then a file of
+    that package here.
     For a model without a package, it is that of the package around the file, or else the path from the model's folder.
     """
     package, path = source.package, use.resource.path
@@ -119,7 +121,8 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
         except ValueError:
             return None
     inside = find_in_package(path, source.package, source.finder)
-    return None if inside is None else f"package://{package.name}/{inside}"
+    named = (package.name, inside) if inside is not None else find_in_named_package(path, source.finder)
+    return None if named is None else f"package://{named[0]}/{named[1]}"
 
 
 def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:

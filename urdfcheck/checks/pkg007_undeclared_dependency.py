@@ -13,6 +13,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
+from urdfcheck.source.package.dependencies import collect_dependencies
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
@@ -40,8 +41,6 @@ _PARTS_OF = {
     "ros_base": ("",),
     "ros_core": ("",),
 }
-# The dependencies of so many packages are read.
-_MAX_MANIFESTS = 1_000
 _TEST_FOLDERS = {"test", "tests"}
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
@@ -74,7 +73,7 @@ _MOST_FILES = 20_000
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
-    if root is None or file is None or root.tag != "package":
+    if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
         return
     declared = {package.name, *package.dependencies}
     undeclared: dict[str, list[PackageMention]] = {}
@@ -82,6 +81,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
     missing = _select_missing(package, undeclared) if undeclared else {}
+    for name in [name for name in missing if _is_inside_another(_find_package(package, name), package)]:
+        del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
     for name, home in homes.items():
@@ -94,7 +95,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     if unknown:
         message = "unknown" if len(unknown) == 1 else "unknown-several"
         yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
-    circular = [name for name in missing if package.name in _collect_dependencies(package, [name])]
+    circular = [name for name in missing if package.name in collect_dependencies(package.finder, [name])]
     for name in circular:
         yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
     # Their own lines are missing too: each would be right alone, and together they are a cycle.
@@ -115,11 +116,17 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
 
 
+def _is_inside_another(folder: Path | None, package: Package) -> bool:
+    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there."""
+    around = [] if package.finder is None else package.finder.list_parent_folders()
+    return folder is not None and any((outer / "package.xml").is_file() for outer in around if outer in folder.parents)
+
+
 def _select_missing(
     package: Package, undeclared: Mapping[str, list[PackageMention]]
 ) -> dict[str, list[PackageMention]]:
     """Return the undeclared packages that no declared one brings and that must be declared."""
-    covered = _collect_dependencies(package, package.dependencies)
+    covered = collect_dependencies(package.finder, package.dependencies)
     parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
     return {
         name: uses
@@ -143,7 +150,7 @@ def _collect_started(package: Package, declared: Collection[str]) -> dict[str, l
 def _is_above(package: Package, name: str) -> bool:
     """Whether another package needs this one, or is named as if it did."""
     return (
-        package.name in _collect_dependencies(package, [name])
+        package.name in collect_dependencies(package.finder, [name])
         or _uses_files_of(package, name)
         or _is_probably_above(package, name)
     )
@@ -164,6 +171,9 @@ def _build_finding(
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
     is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses))
+    # Where ROS has released this package, its users do without what only its author has.
+    is_spare = package.name in read_released_packages() or set(tags.values()) == {"test_depend"}
+    is_note |= message in _UNKNOWN and is_spare
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
@@ -314,15 +324,18 @@ def _build_misnamed_finding(
     owner, path = home
     launcher = name_launch_command(root)
     is_left_over = launcher == "ros2_launch" and all(_is_in_launch_file_of_ros1(use) for use in uses)
+    is_released = name in read_released_packages()
     if is_left_over:
         repair = "delete the launch files that were left from ROS 1, or translate them if they are still needed"
+    elif is_released:
+        repair = f"declare it: `<{runtime}>{name}</{runtime}>`; or write `{owner}` and the path `{path}` if that file is meant"
     else:
         repair = (
             f"write `{owner}` and the path `{path}` if {name} is an old name; if it is another package, declare it: "
         )
         repair += f"`<{runtime}>{name}</{runtime}>`"
     finding = rule.finding(
-        "misnamed",
+        "copied" if is_released else "misnamed",
         at=uses[0].location,
         related=[use.location for use in uses[1:3]],
         name=name,
@@ -396,23 +409,6 @@ def _find_in_package(
     if not paths or not all(path and "$" not in path and (package.path / path).is_file() for path in paths):
         return None
     return package.name, paths[0]
-
-
-def _collect_dependencies(package: Package, names: Iterable[str]) -> set[str]:
-    """Return the dependencies of these packages, as far as they are found, and of those, and so on."""
-    covered: set[str] = set()
-    left = sorted(names)
-    for _ in range(_MAX_MANIFESTS):
-        if not left or package.finder is None:
-            break
-        folder = package.finder.find(left.pop())
-        further = (
-            None if folder is None or not package.finder.can_open(folder / "package.xml") else load_package(folder)
-        )
-        if further is not None:
-            left += sorted(further.dependencies - covered)
-            covered |= further.dependencies
-    return covered
 
 
 def _uses_files_of(package: Package, name: str) -> bool:

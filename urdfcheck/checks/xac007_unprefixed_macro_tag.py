@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -12,6 +13,7 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import (
     collect_macros,
@@ -45,6 +47,8 @@ _RULES_ABOUT_WHOLE_ROBOTS = (
 )
 # Tags that only give a name a value.
 _VALUE_TAGS = frozenset({"property", "arg"})
+# A constant of mathematics that differs by less was rounded: XAC005 measures this.
+_ROUNDED = 5e-5
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -96,8 +100,12 @@ def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Sev
 
 
 def _is_dead(source: Source, element: Element) -> bool:
-    """Whether a value without the prefix changes nothing: nothing reads the name, or it has that value from elsewhere."""
+    """Whether a value without the prefix changes nothing: nothing reads the name, or it has that value from elsewhere, as from
+    xacro's own constants."""
     name, key = element.get("name"), "value" if element.tag == "property" else "default"
+    constant, typed = getattr(math, name, None) if element.tag == "property" else None, parse_number(element.get(key))
+    if isinstance(constant, float) and typed is not None and math.isclose(typed, constant, rel_tol=_ROUNDED):
+        return True
     read = collect_read_arguments(source.trees)
     others = [e for e in iter_elements_by_tag(source.trees, f"xacro:{element.tag}") if e.get("name") == name]
     return name not in read or (bool(others) and all(e.get(key) == element.get(key) for e in others))

@@ -10,6 +10,7 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.reach import OUT_OF_REACH
+from urdfcheck.source.resources import find_in_named_package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile
@@ -74,15 +75,35 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
                 message = "forgiven"
-            unread = _REPAIR_OF_UNREACHABLE if problem.message == OUT_OF_REACH else _REPAIR_OF_UNREADABLE
+            unread = _REPAIR_OF_UNREADABLE
+            if problem.message == OUT_OF_REACH:
+                finding = _report_place_here(source, problem, rule)
+                if finding is not None:
+                    yield finding
+                    continue
+                unread = _REPAIR_OF_UNREACHABLE
             repair = _describe_declaration(problem) if problem.kind == "prefix" else problem.data.get("repair", unread)
-            yield rule.finding(message, at=location, cause=cause, error=problem.message, repair=repair)
+            yield rule.finding(
+                message, at=location, cause=cause, file=source.name, error=problem.message, repair=repair
+            )
     for problem in source.find_problems(*_MISREAD):
         data = {**problem.data, "count": len(problem.data["places"])}
         first, *others = data.pop("places")
         listed = f"the value {problem.message!r}"
         listed += f" and {len(others)} more" if others else ""
         yield rule.finding(problem.kind, at=first, related=others[:9], severity=Severity.WARNING, listed=listed, **data)
+
+
+def _report_place_here(source: Source, problem: Problem, rule: Rule) -> Finding | None:
+    """Report a path out of reach that ends as that of a file in a package here, whose place a launch file should name."""
+    named = find_in_named_package(source.path, source.finder)
+    if named is None:
+        return None
+    package, inside = named
+    is_ros1 = problem.location.file.endswith(".launch")
+    repair = f"write `$(find {package})/{inside}`" if is_ros1 else f"name {inside} by its package {package}"
+    file = source.path.as_posix()
+    return rule.finding("elsewhere", at=problem.location, file=file, package=package, inside=inside, repair=repair)
 
 
 def _describe_declaration(problem: Problem) -> str:

@@ -46,6 +46,7 @@ _EXTENSIONS: dict[str, frozenset[str]] = {
     ),
     "visual": frozenset({"verbose"}),
     "collision": frozenset({"verbose", "material", "contact_coefficients"}),
+    "material": frozenset({"specular"}),  # Bullet
     "geometry": frozenset({"plane", "cdf"}),  # Bullet
 }
 # Elements of a link, a collision or a joint in SDF; in a URDF they have an effect only inside <gazebo>.
@@ -97,7 +98,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if verdict is None:
             continue
         message, severity, data = verdict
-        if message in {"misspelt", "misplaced"} and all(map(_holds_zeros, places)):
+        if message in {"misspelt", "misplaced", "pose"} and all(map(_holds_zeros, places)):
             severity = Severity.INFO
         if message == "sdf" and all(map(_holds_sdf_defaults, places)):
             severity = Severity.INFO
@@ -147,8 +148,8 @@ def _describe_consequences(message: str, places: list[Element]) -> dict[str, str
     """Return the reactions of urdfdom, MuJoCo, Drake and Bullet, which miss a shape in a geometry, and of Gazebo to SDF."""
     taken = list(filter(_is_in_place_of_shape, places))
     if not taken:
-        gazebo = {"gazebo": "ignores it outside <gazebo>"} if message == "sdf" else {}
-        return gazebo | dict.fromkeys(
+        gazebo = {"sdf": "ignores it outside <gazebo>", "pose": "replaces the pose of the whole model by it"}
+        return ({"gazebo": gazebo[message]} if message in gazebo else {}) | dict.fromkeys(
             ("urdfdom", "mujoco", "drake", "bullet", "yourdfpy"), "ignores it, without a message"
         )
     drawn = not any(map(is_collision_part, taken))
@@ -286,7 +287,10 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         elif any(map(_holds_texts, places)):
             repair = f"delete it, or write its numbers as attributes in {listed}: they are typed as in SDF"
         elif parent == "robot":
-            repair = _describe_home_in_robot(places, homes, listed)
+            home = _describe_home_in_robot(places, homes, listed)
+            if home is None:
+                return None
+            repair = home
         elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
             repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
             repair += _describe_difference(places, held[0])
@@ -298,7 +302,8 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
             repair = f"delete it: the {listed} has its own <{child.tag}>"
         else:
             repair = f"move it into {listed}"
-        return "misplaced", Severity.WARNING, {"homes": listed, "repair": repair}
+        message = "pose" if parent == "robot" and child.tag == "origin" else "misplaced"
+        return message, Severity.WARNING, {"homes": listed, "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         is_first = _is_in_place_of_shape(child)
         repair = "replace it by a box, cylinder, sphere or mesh" if is_first else "delete it: the shape is before it"
@@ -311,8 +316,11 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
     return "ignored", Severity.INFO, {"call": _CALL if is_call else ""}
 
 
-def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str) -> str:
-    """Say where an element directly in the robot belongs: in the element before it, whose end tag is often typed too early."""
+def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str) -> str | None:
+    """Say where an element directly in the robot belongs: in the element before it, whose end tag is often typed too early.
+
+    None for an origin that no joint beside it lacks or has too: for Gazebo it is the pose of the model.
+    """
     place = places[0]
     before, after = _find_neighbours(place)
     others = ", and the others likewise" if len(places) > 1 else ""
@@ -324,12 +332,10 @@ def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str
     if same and after is not None:
         return f"delete it: {after.tag} {after.get('name')} after it has the same{others}"
     if before is None or before.tag not in homes:
-        if place.tag == "origin":
-            return (
-                "delete it: the place of the whole robot is given where it is spawned, or by a joint from a root link"
-            )
-        return f"move it into {listed}, or delete it where that has one already"
+        return None if place.tag == "origin" else f"move it into {listed}, or delete it where that has one already"
     owner = f"{before.tag} {before.get('name')}"
+    if place.tag == "origin" and before.find_child("origin") is not None:
+        return None
     if place.tag not in _REPEATED.get(before.tag, frozenset()) and before.find_child(place.tag) is not None:
         return f"delete it: {owner} before it has its own <{place.tag}>{others}"
     return f"move it into {owner}, which ends just before it{others}"

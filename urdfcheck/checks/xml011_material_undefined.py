@@ -56,9 +56,19 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             names,
             material=name,
             shapes=format_count(len(names), "shape refers", "shapes refer"),
-            colour=_COLOURS.get(name.strip().lower(), _GREY),
+            definition=_propose_definition(model, name),
             near=format_name_hint(name, everywhere),
         )
+
+
+def _propose_definition(model: Model, name: str) -> str:
+    """Return the element that defines the material: with its colour in another file of the repository, or else a usual one."""
+    from urdfcheck.model.likeness.whole_models import find_colour_elsewhere  # loaded only for such a file
+
+    elsewhere = find_colour_elsewhere(model, name)
+    colour = _COLOURS.get(name.strip().lower(), _GREY) if elsewhere is None else elsewhere[1]
+    element = f'`<material name="{name}"><color rgba="{colour}"/></material>`'
+    return element if elsewhere is None else f"{element} (its colour in {format_path(elsewhere[0])})"
 
 
 def _has_appearance(material: Element) -> bool:

@@ -6,12 +6,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
 from pathlib import Path
+from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.source.text.values import read_attribute_numbers
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 # Screens show 8 bits per channel: half a step is invisible.
 _STEP = 0.5 / 255
@@ -23,7 +25,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         m for link in model.links for shape in link.visuals for m in shape.element.find_children("material")
     ]
     yield from _check_empty_names([*global_materials, *local_materials], rule)
-    yield from _check_repeated_materials(global_materials, rule, main=Path(model.source.name).name)
+    yield from _check_repeated_materials(global_materials, rule, model)
     yield from _check_conflicting_materials(global_materials, local_materials, rule)
 
 
@@ -36,17 +38,34 @@ def _check_empty_names(materials: list[Element], rule: Rule) -> Iterator[Finding
         yield replace(finding, subjects=tuple(location.subject for location in empty))
 
 
-def _check_repeated_materials(global_materials: list[Element], rule: Rule, *, main: str) -> Iterator[Finding]:
-    """Report materials that are defined twice. ``main``: the file of the robot, where nothing is included twice."""
+def _check_repeated_materials(global_materials: list[Element], rule: Rule, model: Model) -> Iterator[Finding]:
+    """Report materials that are defined twice."""
+    main = Path(model.source.name).name
     first: dict[str, Element] = {}
     for material in global_materials:
         name = material.get("name")
         if not name or first.setdefault(name, material) is material:
             continue
-        is_same_text = material.span is not None and material.span == first[name].span
-        message = "again" if is_same_text else "repeated"
-        related = [first[name]]
-        yield rule.finding(message, at=material, severity=Severity.ERROR, related=related, material=name, main=main)
+        data: dict[str, Any] = {"severity": Severity.ERROR, "material": name}
+        if material.span is None or material.span != first[name].span:
+            yield rule.finding("repeated", at=material, related=[first[name]], **data)
+            continue
+        includes = _find_double_include(model, material.span.file)
+        repair = f"define the material in {main}, or in a file that only {main} includes"
+        if includes and includes[1].span is not None:
+            at = includes[1].span
+            repair = f"delete the second include of {Path(material.span.file).name}, in line {at.line} of {Path(at.file).name}"
+        yield rule.finding("again", at=material, related=[first[name], *includes], main=main, repair=repair, **data)
+
+
+def _find_double_include(model: Model, file: str) -> list[Element]:
+    """Return the first two includes of a file that are typed in the same way in one other file."""
+    typed: dict[tuple[str, str], list[Element]] = {}
+    for include in iter_elements_by_tag(model.source.trees, "xacro:include"):
+        is_certain = include.parent is not None and include.parent.tag == "robot"  # and under no condition
+        if is_certain and include.span is not None and Path(include.get("filename")).name == Path(file).name:
+            typed.setdefault((include.span.file, include.get("filename")), []).append(include)
+    return next((places[:2] for places in typed.values() if len(places) > 1), [])
 
 
 def _check_conflicting_materials(

@@ -25,6 +25,7 @@ _SIMULATOR = re.compile(
     r"|mujoco|pybullet|pydrake|isaac(?:sim|lab|gym|_)|webots|coppelia|raisim",
     re.IGNORECASE,
 )
+_GAZEBO = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|gzserver")
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
 # The option of Gazebo's spawners that puts a joint at a position.
@@ -53,9 +54,13 @@ def is_simulated(model: Model) -> bool:
 
 @fact
 def is_started_in_simulator(model: Model) -> bool:
-    """Whether the robot has elements for a simulator, or one of these files names a simulator and the robot's own file."""
-    name, texts = model.source.path.name, _list_project_texts(model)
-    return _has_elements(model) or any(_SIMULATOR.search(t) and name in _MODEL_FILE.findall(t) for t in texts)
+    """Whether the robot has elements for a simulator, or one of these files names a simulator and the robot's own file.
+
+    Where the folder of that is typed before its name, it must be the robot's too.
+    """
+    path = model.source.path.absolute()
+    own = re.compile(rf"(?<![\w.-])(?:{re.escape(path.parent.name)}/|(?<![\w.-]/)){re.escape(path.name)}(?![\w.-])")
+    return _has_elements(model) or any(_SIMULATOR.search(t) and own.search(t) for t in _list_project_texts(model))
 
 
 def is_modelled_for_mujoco(model: Model) -> bool:
@@ -78,6 +83,20 @@ def is_left_aside(model: Model) -> bool:
     display, or for other programs."""
     named = {name for text in _list_project_texts(model) for name in _MODEL_FILE.findall(text)}
     return bool(named) and model.source.path.name not in named
+
+
+@fact
+def is_left_out_of_gazebo(model: Model) -> bool:
+    """Whether files of the model's package, or of those that depend on it, give other models to Gazebo, and neither they nor one
+    that loads a robot_description names this one, by its name up to the first dot."""
+    own, texts = _cut_name(model.source.path.name), _list_project_texts(model)
+    simulated = {_cut_name(name) for text in texts if _GAZEBO.search(text) for name in _MODEL_FILE.findall(text)}
+    loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in _MODEL_FILE.findall(text)}
+    return bool(simulated) and own not in simulated | loaded
+
+
+def _cut_name(file: str) -> str:
+    return file.partition(".")[0]
 
 
 def is_started_elsewhere(model: Model) -> bool:

@@ -88,20 +88,20 @@ class FolderIndex:
         """Return the files that one include means; one with arguments in its path may mean every file of its name."""
         tail = EXPRESSION.sub("", name).lstrip("/")
         package = re.match(r"\$\(find ([^)\s]+)\)", name)
-        folder = self.finder.find(package.group(1)) if package else path.parent
+        folders = self.finder.list_meant(package.group(1), path) if package else [path.parent]
         last = Path(tail).name
         if not last:
             around = self.finder.find_package_of(path.absolute())
             self.open_folders.add(resolve_path(path.parent if around is None else around.path))
             return frozenset()
-        base = path.parent if folder is None else folder
+        base = folders[0] if folders else path.parent
         typed_name = name.rpartition("/")[2]
         is_open = EXPRESSION.search(typed_name) is not None
         key = (str(base), f"{tail}/{typed_name}" if is_open else tail)
         if key not in self.resolved:
-            targets = [] if folder is None else self._match_pattern(folder, tail)
-            if package and folder is not None and not targets:
-                targets = [str(self.finder.find_source(folder / tail))]
+            targets = [target for folder in folders for target in self._match_pattern(folder, tail)]
+            if package and not targets:
+                targets = [str(self.finder.find_source(folder / tail)) for folder in folders]
             if any(map(os.path.isfile, targets)):
                 found = {resolve_path(Path(target)) for target in targets}
             else:

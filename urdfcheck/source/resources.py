@@ -119,6 +119,17 @@ def find_in_package(path: Path, package: Package | None, finder: PackageFinder) 
     return None
 
 
+def find_in_named_package(path: Path, finder: PackageFinder) -> tuple[str, str] | None:
+    """Return the package here that a path of another machine names, and the file of it behind the name; None without one."""
+    packages, parts = finder.list_packages(), path.as_posix().replace("\\", "/").split("/")
+    for index in (i for i, part in enumerate(parts[:-1]) if part in packages):
+        inside = "/".join(parts[index + 1 :])
+        place = packages[parts[index]] / inside
+        if finder.can_open(place) and os.path.isfile(place):
+            return parts[index], inside
+    return None
+
+
 def find_package_address(path: str) -> str | None:
     """Return how xacro names the file of a path in which it took ``package://NAME/…`` for folders: ``$(find NAME)/…``."""
     match = _ADDRESS.search(path.replace("\\", "/"))

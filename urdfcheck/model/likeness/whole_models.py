@@ -55,6 +55,22 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
     return False
 
 
+def find_colour_elsewhere(model: Model, material: str) -> tuple[Path, str] | None:
+    """Return the nearest robot file of the repository that defines a material of this name by a literal colour, and its rgba."""
+    name = re.escape(material)
+    definition = re.compile(rf"""<material\s+name\s*=\s*["']{name}["']\s*>\s*<color\s+rgba\s*=\s*["']([^"'<>$]*)["']""")
+    found: list[tuple[int, Path, str]] = []
+    for path in islice(_iter_robot_files(model), _MOST_FILES):
+        try:
+            match = definition.search(read_regular(path, _LARGEST).decode("utf-8", "replace"))
+        except OSError:
+            continue
+        if match is not None:
+            shared = len(os.path.commonpath([model.source.path.parent.absolute(), path.absolute()]))
+            found.append((-shared, path, " ".join(match[1].split())))
+    return min(found)[1:] if found else None
+
+
 def _iter_robot_files(model: Model) -> Iterator[Path]:
     """Yield the robot files of the repository around a model, or of its package, that the model does not use itself."""
     source = model.source

@@ -47,6 +47,7 @@ _KEYWORDS = frozenset({
     "FILES_MATCHING", "USE_SOURCE_PERMISSIONS", "FILE_PERMISSIONS", "DIRECTORY_PERMISSIONS", "MESSAGE_NEVER",
     "EXCLUDE_FROM_ALL",
 })  # fmt: skip
+_EXPANSION_KEYWORDS = frozenset({"REMAP", "DEPENDS", "OUTPUT", "TARGET", "INSTALL", "DESTINATION"})
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -182,6 +183,8 @@ class _CmakeReader:
             self.add_subdirectory(command.words)
         elif command.name == "include":
             self.include_file(command.words)
+        elif command.name == "xacro_add_files":
+            self.read_expansions(self.expand_words(command.words))
         elif command.name not in _QUIET and command.name != "list":
             self.other_names.update(p for word in self.expand_words(command.words) for p in word.split("/"))
 
@@ -266,6 +269,21 @@ class _CmakeReader:
         else:
             renamed = rest[rest.index("RENAME") + 1] if "RENAME" in rest[:-1] else ""
             self.add_files(named, destination, renamed)
+
+    def read_expansions(self, words: list[str]) -> None:
+        """Note what ``xacro_add_files(FILE … INSTALL DESTINATION …)`` makes out of xacro files: the same names without .xacro."""
+        count = next((i for i, word in enumerate(words) if word in _EXPANSION_KEYWORDS), len(words))
+        if "INSTALL" not in words:
+            return
+        folder = words[words.index("DESTINATION") + 1] if "DESTINATION" in words[:-1] else ""
+        target = self.find_target(f"share/{self.package}/{folder}")
+        for file in words[:count] if target is not None else ():
+            source = self.normalize_path(file)
+            if source is None or "${" in file or has_magic(file):
+                self.is_complete = False
+            else:
+                place = posixpath.join(target or "", posixpath.basename(source).removesuffix(".xacro"))
+                self.entries.append(InstalledEntry(source=source, target=place, kind="made"))
 
     def find_target(self, destination: str) -> str | None:
         """Return the place in the share folder that a destination means; None for another one or an unknown one."""

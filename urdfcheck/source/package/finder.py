@@ -145,6 +145,14 @@ class PackageFinder:
                 note_lookup(found / "package.xml")
         return self._found[name]
 
+    def list_meant(self, name: str, file: Path) -> list[Path]:
+        """Return the folders that a package's name in a file may mean: the package around the file, or else every known one."""
+        own = self.find_package_of(file.absolute())
+        if own is not None and own.name == name and name not in self.explicit:
+            return [own.path]
+        found = self.find(name)
+        return [] if found is None else list(dict.fromkeys([found, *self.list_namesakes(name)]))
+
     def note_packages(self, folders: Iterable[Path]) -> None:
         """Add the packages at these folders to the known ones of the run."""
         for folder in folders:

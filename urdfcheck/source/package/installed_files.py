@@ -26,7 +26,7 @@ class InstalledEntry:
     target: str
     """The place of the folder or file, or the folder of the pattern's files; empty for the share folder itself."""
     kind: str
-    """folder (with all below it) | file | pattern"""
+    """folder (with all below it) | file | pattern | made (a file that the build makes out of the source)"""
     wanted: tuple[str, ...] = ()
     """Patterns of which one must match a file's name in the folder; empty for all files."""
     excluded: tuple[str, ...] = ()
@@ -34,7 +34,7 @@ class InstalledEntry:
 
     def find_source(self, place: str) -> str | None:
         """Return what is installed at a place, or None; it need not exist."""
-        if self.kind == "file":
+        if self.kind in {"file", "made"}:
             return self.source if place == self.target else None
         if self.kind == "pattern":
             folder, name = posixpath.split(place)
@@ -47,6 +47,8 @@ class InstalledEntry:
 
     def find_place(self, folder: str) -> str | None:
         """Return where the files of a folder are installed, or None."""
+        if self.kind == "made":
+            return None
         if self.kind == "folder":
             inside = _strip_folder(folder, self.source)
             taken = inside is not None and self._takes(inside)
@@ -57,8 +59,8 @@ class InstalledEntry:
 
     def takes_file(self, file: str) -> bool:
         """Whether a file before the build is installed."""
-        if self.kind == "file":
-            return file == self.source
+        if self.kind in {"file", "made"}:
+            return self.kind == "file" and file == self.source
         if self.kind == "pattern":
             return posixpath.dirname(file) == posixpath.dirname(self.source) and fnmatch.fnmatchcase(file, self.source)
         inside = _strip_folder(file, self.source)

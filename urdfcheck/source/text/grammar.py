@@ -92,6 +92,7 @@ _SYNONYMS: Mapping[str, str] = {
     "file": "filename",
     "uri": "filename",
     "url": "filename",
+    "height": "length",
     "min": "lower",
     "max": "upper",
 }

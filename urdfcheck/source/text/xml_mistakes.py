@@ -20,6 +20,8 @@ _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 # How much of a name is shown.
 _MOST_SHOWN = 60
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# ``<your-package>`` in a value, for the reader to replace; and the rest of its line.
+_PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)+)>([^\n<]*)")
 # An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 
@@ -126,6 +128,11 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
     quote = _find_open_quote(inside)
     if here == "<" and quote is not None:
         start = begin + 1 + quote
+        placeholder = _PLACEHOLDER.match(text, at)
+        if placeholder is not None and text[start] in placeholder[2]:
+            shown = _shorten(placeholder[1])
+            message = f"the placeholder `<{shown}>` in an attribute value is not filled in"
+            return XmlMistake(message, at, placeholder.end(1) + 1, f"write what `<{shown}>` stands for")
         line = text.count("\n", 0, start) + 1
         message = f"an attribute value, whose quotes open in line {line}, contains `<`"
         return XmlMistake(message, at, at + 1, "close the quotes of that value, or write `&lt;` if `<` is part of it")
