@@ -490,7 +490,7 @@ def test_a_child_is_light_below_a_thousandth_and_the_root_may_be_bolted_down(
     assert [f.message_id for f in find(tmp_path, make_arm(inertial(mass)), "INR011")] == ["light"] * light
 
 
-@pytest.mark.parametrize(("cover", "messages"), [("", ["heavy"]), (inertial("0.9"), [])])
+@pytest.mark.parametrize(("cover", "messages"), [("", ["uneven"]), (inertial("0.9"), [])])
 def test_a_body_that_carries_a_hundred_times_its_mass_counts_with_what_is_fixed_to_it(
     tmp_path: Path, cover: str, messages: list[str]
 ) -> None:

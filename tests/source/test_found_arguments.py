@@ -227,6 +227,21 @@ class TestModels:
         assert found.message.endswith("which does not exist; known values: large, small")
         assert found.location.subject == "argument[type]"
 
+    def test_the_robot_itself_may_read_an_argument_before_its_default(self, tmp_path: Path) -> None:
+        make_package(tmp_path, {}, ARM.replace('default="none"', 'default="small"').replace("$(arg prefix)", ""))
+        run = check(tmp_path / "arm")
+        (info,) = run.models
+        assert (info.status, info.robot, info.args) == ("checked", "arm", {"name": "arm"})
+        assert info.found_args["name"].startswith(info.path)
+        assert "expanded with name:=arm (" in " ".join(text.render(run).split())
+
+    def test_a_launch_file_that_passes_no_value_is_stopped(self, tmp_path: Path) -> None:
+        model = ARM.replace('default="none"', 'default="small"').replace("$(arg prefix)", "")
+        command = 'x = Command(["xacro ", get_package_share_directory("arm"), "/urdf/arm.urdf.xacro"])'
+        package = make_package(tmp_path, {"a.launch.py": command}, model).parents[1]
+        run = check(package / "launch/a.launch.py")
+        assert [(f.code, f.message_id) for f in run.findings if f.code == "XAC010"] == [("XAC010", "too-late")]
+
     def test_choices_are_told_where_no_launch_file_decides(self, tmp_path: Path) -> None:
         model = ARM.replace('  <xacro:arg name="type" default="none"/>\n', "").replace("$(arg name)", "arm")
         make_package(tmp_path, {}, model)

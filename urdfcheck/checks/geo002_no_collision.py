@@ -14,7 +14,7 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
-from urdfcheck.model.simulation_use import is_left_aside, is_simulated
+from urdfcheck.model.simulation_use import is_left_aside, is_started_in_simulator
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
         if model.masses and not any(declared.mass for declared in model.masses):
             return  # made to be drawn: INR002 reports the masses of 0
         what = f"robot {model.name}" if model.name else "the robot"
-        is_used = semantic_descriptions(model) or (_has_inertials(model, moving) and is_simulated(model))
+        is_used = semantic_descriptions(model) or (_has_inertials(model, moving) and is_started_in_simulator(model))
         yield rule.finding(
             "aside" if is_left_aside(model) else "none" if is_used else "drawing",
             at=model.name_location,

@@ -39,7 +39,7 @@ class _JointMasses:
         return self.child_mass / self.parent_mass
 
 
-def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, light: float, heavy: float, absurd: float) -> Iterator[Finding]:
     pairs = [pair for pair in _collect_joint_masses(model) if not _has_no_mass(model, pair)]
     root = frozenset(model.tree.list_body_links(model.tree.root))
     # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
@@ -65,7 +65,9 @@ def check(model: Model, rule: Rule, *, light: float, heavy: float) -> Iterator[F
     if lighter:
         yield _build_finding(model, rule, "light", worst_first=sorted(lighter, key=lambda pair: pair.ratio))
     if heavier:
-        yield _build_finding(model, rule, "heavy", worst_first=sorted(heavier, key=lambda pair: -pair.ratio))
+        heavier.sort(key=lambda pair: -pair.ratio)
+        is_plain = heavier[0].ratio > absurd or any(_is_implausible(model, pair) for pair in heavier)
+        yield _build_finding(model, rule, "heavy" if is_plain else "uneven", worst_first=heavier)
 
 
 def _collect_joint_masses(model: Model) -> list[_JointMasses]:
@@ -88,8 +90,13 @@ def _has_no_mass(model: Model, pair: _JointMasses) -> bool:
 
 def _is_small_part(model: Model, pair: _JointMasses) -> bool:
     """Whether the child may well weigh so little, and neither density says otherwise."""
+    return pair.child_mass >= LEAST_PART and not _is_implausible(model, pair)
+
+
+def _is_implausible(model: Model, pair: _JointMasses) -> bool:
+    """Whether the density of a body beside the joint is that of no part."""
     bodies = [model.tree.list_body_links(name) for name in (pair.joint.child, pair.joint.parent)]
-    return pair.child_mass >= LEAST_PART and not any(_has_implausible_density(model, body) for body in bodies)
+    return any(_has_implausible_density(model, body) for body in bodies)
 
 
 def _is_of_virtual_base(model: Model, link: str) -> bool:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field
 from pathlib import Path
 
-from urdfcheck.core import Edit, Finding, Location, Rule
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
@@ -37,6 +38,8 @@ _KINDS = {
     "file": ("a file:// path", "file:// paths"),
     "home": ("a path in the home folder", "paths in the home folder"),
 }
+# A file of a package that a release of ROS has installed.
+_INSTALLED = re.compile(r"/opt/ros/\w+/share/([^/]+)/(.+)")
 # So many outer folders (/, home, ann) are one place of a machine: what one author's tool wrote is one cause.
 _OUTER_FOLDERS = 3
 
@@ -63,6 +66,8 @@ def _find_place(use: ResourceUse) -> tuple[object, ...]:
 
 
 def _choose_message(use: ResourceUse) -> str:
+    if _find_installed_path(use) is not None:
+        return "installed"
     return "unread" if not use.resource.allowed else "here-only" if use.resource.exists else "nowhere"
 
 
@@ -74,8 +79,9 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     return rule.finding(
         message,
         at=place.location,
+        severity=Severity.WARNING if message == "installed" else None,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
-        edits=_propose_edits(place, portable),
+        edits=_propose_edits(place, portable) if message != "installed" else [],
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
         file=first.resource.text,
         files=files,
@@ -84,6 +90,12 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         amount=format_count(len(files), "file is", "files are"),
         repair=_describe_repair(message, place, portable, source),
     )
+
+
+def _find_installed_path(use: ResourceUse) -> str | None:
+    """Return the package path of a file in a folder where the packages of a release of ROS are installed."""
+    found = None if use.resource.path is None else _INSTALLED.match(use.resource.path.as_posix())
+    return None if found is None else f"package://{found[1]}/{found[2]}"
 
 
 def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
@@ -142,6 +154,9 @@ def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:
 
 def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str | None], source: Source) -> str:
     """Say what to write, or to move the files first."""
+    if message == "installed":
+        others = ", and the others likewise" if len({use.resource.text for use in place.uses}) > 1 else ""
+        return f"write `{_find_installed_path(place.uses[0])}`{others}, and declare the dependency in package.xml"
     paths = [path for path in portable if path is not None]
     if len(paths) == len(portable):
         others = ", and the others likewise" if len(set(paths)) > 1 else ""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Location, Rule, Span
+from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import format_argument_option, format_choices
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
@@ -14,6 +14,7 @@ _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
+    yield from _check_early_defaults(source, rule)
     for problem in source.find_problems("argument-missing"):
         name = str(problem.data["argument"])
         at = locate_expression(source, problem, f"$(arg {name})")
@@ -38,6 +39,19 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             between=[
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
+        )
+
+
+def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:
+    """Report the arguments that attributes of ``<robot>`` read, and that had only the default of the file itself."""
+    root = source.main_tree
+    for name, declared in source.found_arguments.items():
+        if root is None or declared.span is None or declared.span.file != source.name:
+            continue
+        attribute = next(a for a in root.attributes.values() if name in _READ.findall(a.value))
+        default = source.arguments[name]
+        yield rule.finding(
+            "early", at=attribute, related=[declared], severity=Severity.INFO, argument=name, default=default
         )
 
 

@@ -8,10 +8,11 @@ from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.arguments.usual_environment import choose_variable, find_unset_variable
-from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments
-from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments, may_pass_argument
+from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
+from urdfcheck.source.xacro.usage import ARGUMENT
 
 # How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
 MOST_FOUND = 64
@@ -76,8 +77,32 @@ def _expand_with_passed_arguments(
     if result.expansion.root is None and any(argument.rank >= BESIDE for argument in result.found.values()):
         # What another model is started with makes no model of this one: nothing is to be said of it.
         own = {name: argument for name, argument in passed.items() if argument.rank < BESIDE}
-        return _add_passed_arguments(plain, own, expand)
-    return result
+        result = _add_passed_arguments(plain, own, expand)
+    if result.expansion.root is not None:
+        return result
+    early = _find_early_defaults(path, plain.expansion)
+    # A launch file that passes none fails. If none is known, whoever starts the model passes a value.
+    own = {name: a for name, a in early.items() if all(may_pass_argument(launch, name) for launch in launches)}
+    complete = _add_passed_arguments(result, own, expand)
+    return complete if complete.expansion.root is not None or _lacks_package(complete.expansion) else result
+
+
+def _lacks_package(expansion: Expansion) -> bool:
+    """Whether a package that is not found here ended the expansion."""
+    return any(problem.kind == "package-not-found" for problem in expansion.problems)
+
+
+def _find_early_defaults(path: Path, expansion: Expansion) -> dict[str, PassedArgument]:
+    """Return the defaults of the arguments that attributes of ``<robot>`` read: xacro evaluates these before any default."""
+    root = expansion.trees.get(format_path(path))
+    if root is None:
+        return {}
+    read = {name for attribute in root.attributes.values() for name in ARGUMENT.findall(attribute.value)}
+    return {
+        name: PassedArgument(name=name, value=default, location=element.location, rank=0)
+        for element in root.find_children("xacro:arg")
+        if (name := element.get("name")) in read and (default := element.get("default")) and "$" not in default
+    }
 
 
 def _add_passed_arguments(
@@ -85,7 +110,7 @@ def _add_passed_arguments(
 ) -> FoundExpansion:
     """Expand again with what launch files pass, as long as an argument is wanted and this helps."""
     expansion, arguments = plain.expansion, plain.arguments
-    found: dict[str, PassedArgument] = {}
+    found = dict(plain.found)
     for _ in range(MOST_FOUND):
         names = _list_wanted_arguments(expansion.problems)
         new = {name: passed[name] for name in names if name in passed and name not in {**arguments, **found}}

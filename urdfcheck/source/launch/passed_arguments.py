@@ -107,6 +107,15 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
     ]
 
 
+def may_pass_argument(launch: Path, name: str) -> bool:
+    """Whether the text of a launch file gives an argument of this name a value, as ``name:=`` or as the key of a mapping."""
+    try:
+        text = read_regular(launch, MAX_PYTHON).decode(errors="replace")
+    except OSError:
+        return False
+    return re.search(rf"(?<![\w.-]){re.escape(name)}:=|['\"]{re.escape(name)}['\"]\s*:", text) is not None
+
+
 def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Location]:
     """Return the texts with a ``$`` that launch files of a model's package replace in it, with the first place of each.
 
