@@ -10,6 +10,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -31,7 +32,8 @@ from urdfcheck.source.text.xml import flatten_definitions
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
-_PATH_BEHIND = re.compile(r"[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
+_ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
+_PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -57,7 +59,8 @@ def _build_finding(
     related: Iterable[Located | Location],
     uses: Sequence[ResourceUse] = (),
 ) -> Finding:
-    declared = source.package is not None and package in source.package.dependencies
+    owner = _find_owner(source, at)
+    declared = owner is not None and package in owner.dependencies
     owners = _find_package_with_files(uses, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
@@ -76,7 +79,11 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
-    repair = checkout or _describe_repair(package, here, source, declared=declared)
+    repair = checkout or _describe_repair(package, here, source, owner, declared=declared)
+    clone = _find_rosbuild_folder(source, package, at)
+    if clone is not None and kind == "expansion":
+        repair = f"name the folder {clone} {package}, as a package of rosbuild (manifest.xml) has the name of its folder, or add "
+        repair += "a package.xml with this name"
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
     return rule.finding(
@@ -179,8 +186,24 @@ def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
     return bool(package) and len(folders) == 1 and all(map(is_rosbuild_package, folders))
 
 
-def _describe_repair(package: str, here: Mapping[str, Path], source: Source, *, declared: bool) -> str:
-    """Say how the files are found."""
+def _find_rosbuild_folder(source: Source, package: str, at: Location) -> str | None:
+    """Return the name of a folder around the model that is a package of rosbuild and has the file typed after ``$(find …)``."""
+    inside = _read_path_behind(at, source)
+    folders = [] if source.package is not None or not package or not inside else source.finder.list_parent_folders()
+    own = (f for f in folders if is_rosbuild_package(f) and source.finder.can_open(f / inside))
+    return next((f.name for f in own if (f / inside).is_file()), None)
+
+
+def _find_owner(source: Source, at: Location) -> Package | None:
+    """Return the package of the file in which a name is typed: its manifest must declare it, whatever model includes the file."""
+    file = None if at.span is None else source.files.get(at.span.file)
+    return source.package if file is None else source.finder.find_package_of(file.path.absolute())
+
+
+def _describe_repair(
+    package: str, here: Mapping[str, Path], source: Source, owner: Package | None, *, declared: bool
+) -> str:
+    """Say how the files are found; ``owner``: the package whose manifest must declare the other one."""
     if here:
         return describe_project_path(here.values(), source)
     if not package:
@@ -188,11 +211,19 @@ def _describe_repair(package: str, here: Mapping[str, Path], source: Source, *, 
     if is_part_of_robot(package) and source.package is None:
         return f"the package's name is missing before {package}: write `package://NAME/{package}/…`, or a path from this file"
     if declared:
-        return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`"
-    if source.package is not None and package in read_released_packages():
+        run_time = "" if owner is None or _is_declared_to_run(owner, package) else _ONLY_TO_BUILD.format(package)
+        return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`{run_time}"
+    if owner is not None and package in read_released_packages():
         return f"declare it in package.xml and install it, or pass `--package {shlex.quote(package)}=FOLDER`"
-    declare = "declare it in package.xml or " if source.package is not None else ""
+    declare = "declare it in package.xml or " if owner is not None else ""
     return f"correct the name; if the package is only missing here, {declare}pass `--package {shlex.quote(package)}=FOLDER`"
+
+
+def _is_declared_to_run(owner: Package, package: str) -> bool:
+    """Whether a manifest declares a package not only for the build."""
+    children = () if owner.root is None else owner.root.children
+    tags = {e.tag for e in children if e.tag.endswith("depend") and e.text.strip() == package}
+    return bool(tags - {"build_depend", "buildtool_depend"})
 
 
 def _describe_own_files(source: Source, files: Sequence[str], here: Mapping[str, Path]) -> str:
