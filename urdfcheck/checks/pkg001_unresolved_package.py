@@ -80,6 +80,10 @@ def _build_finding(
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
     repair = checkout or _describe_repair(package, here, source, owner, declared=declared)
+    own = [] if declared or here or near or checkout else _find_own_files(source, files)
+    if own and package and source.package is not None:
+        likewise = ", and the others likewise" if len(own) > 1 else ""
+        repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
     clone = _find_rosbuild_folder(source, package, at)
     if clone is not None and kind == "expansion":
         repair = f"name the folder {clone} {package}, as a package of rosbuild (manifest.xml) has the name of its folder, or add "
@@ -113,7 +117,7 @@ def _build_finding(
             if checkout
             else ""
             if declared
-            else _describe_own_files(source, files, here)
+            else _describe_places(files, here, own, source)
         )
         + named_by,
     )
@@ -226,22 +230,28 @@ def _is_declared_to_run(owner: Package, package: str) -> bool:
     return bool(tags - {"build_depend", "buildtool_depend"})
 
 
-def _describe_own_files(source: Source, files: Sequence[str], here: Mapping[str, Path]) -> str:
-    """Say where the model's own package has a file of the same name as each of these, if each is there once."""
+def _describe_places(files: Sequence[str], here: Mapping[str, Path], own: Sequence[str], source: Source) -> str:
+    """Say where the files are: in the project around the model (``here``), or in the model's own package (``own``)."""
     if here:
         folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in here.values())
         place = "beside the model" if list(folders) == ["."] else f"in {join_names(folders, 2)}"
         return f" (the {'file is' if len(files) == 1 else 'files are'} {place})"
-    if not files or source.package is None:
+    if not own or source.package is None:
         return ""
+    return f" ({source.package.name} has {'the file' if len(files) == 1 else 'the files'} as {join_names(own, 3)})"
+
+
+def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
+    """Return where the model's own package has a file of the same name as each of these; nothing unless each is there once."""
+    if not files or source.package is None:
+        return []
     index = index_files([source.package.path])
     found = [
         [p for p in index.get(PurePosixPath(f).name.lower(), []) if p.name == PurePosixPath(f).name] for f in files
     ]
     if any(len(paths) != 1 for paths in found):
-        return ""
-    places = [paths[0].relative_to(source.package.path).as_posix() for paths in found]
-    return f" ({source.package.name} has {'the file' if len(files) == 1 else 'the files'} as {join_names(places, 3)})"
+        return []
+    return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
 
 
 def _propose_edits(uses: Sequence[ResourceUse], package: str, near: Sequence[str]) -> list[Edit]:
