@@ -658,6 +658,11 @@ def test_a_transform_from_the_world_may_be_meant_for_the_root(tmp_path: Path) ->
     (finding,) = find_in_package(tmp_path, transform("0 0 0 0 0 0 map laser"), "LCH005")
     assert finding.fix is not None
     assert "write the root base_link for laser if the node is to place the robot in map" in finding.fix.title
+    # Where another node places that frame below the robot, the root would be below itself.
+    below = transform("0 0 0 0 0 0 map laser") + transform("0 0 0 0 0 0 base_link map")
+    (finding,) = find_in_package(tmp_path / "x", below, "LCH005")
+    assert finding.fix is not None
+    assert "write the root" not in finding.fix.title
 
 
 @pytest.mark.parametrize(

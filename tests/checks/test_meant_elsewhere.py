@@ -304,6 +304,7 @@ def test_a_camera_on_its_optical_frame_is_moved_before_the_frame_is_rotated(
         ('<joint_properties damping="0.5" friction="2"/>', "programs then use damping 0.5, friction 2", 1),
         ('<joint_properties damping="1." friction="1.0"/>', "programs then use damping 1, friction 1", 1),
         ('<joint_properties damping="100" friction="1000"/>', "less friction than `1000`", 0),
+        ('<joint_properties damping="1000"/>', "less damping than 1000: at the velocity limit 1 it takes 1e+03", 0),
         (
             '<joint_properties damping="1"/><joint_properties friction="1"/>',
             "a single `<dynamics>` where a <joint> has the element twice",

@@ -1423,11 +1423,19 @@ def test_mujoco_opens_a_drawn_mesh_only_where_the_file_keeps_it(tmp_path: Path, 
 
 
 @pytest.mark.parametrize(
-    ("place", "told"),
-    [("launch/a.launch", False), ("launch/a.launch.xml", True), ("urdf/a.launch", True), ("a.launch", True)],
+    ("place", "look_up", "told"),
+    [
+        ("launch/a.launch", "find", False),
+        ("urdf/a.launch", "find", False),
+        ("urdf/a.launch.xml", "find", False),
+        ("launch/a.launch", "find-pkg-share", False),
+        ("launch/a.launch.xml", "find-pkg-share", True),
+        ("urdf/a.launch", "find-pkg-share", True),
+        ("a.launch", "find-pkg-share", True),
+    ],
 )
-def test_a_launch_file_of_ros_1_that_is_not_installed_needs_no_folder(tmp_path: Path, place: str, told: bool) -> None:
-    launch = '<launch><node name="r" pkg="rviz" type="rviz" args="-d $(find p)/config/r.rviz"/></launch>'
+def test_a_launch_file_of_ros_1_needs_no_folder(tmp_path: Path, place: str, look_up: str, told: bool) -> None:
+    launch = f'<launch><node name="r" pkg="rviz2" exec="rviz2" args="-d $({look_up} p)/config/r.rviz"/></launch>'
     files = {"package.xml": manifest(AMENT), "urdf/r.urdf": URDF, "config/r.rviz": "", place: launch}
     write(tmp_path, {**files, "CMakeLists.txt": "install(DIRECTORY urdf DESTINATION share/p)\nament_package()\n"})
     assert [f.data["folders"] for f in findings(tmp_path, "PKG008")] == ([["config"]] if told else [])

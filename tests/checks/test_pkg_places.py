@@ -479,3 +479,32 @@ def test_a_launch_file_of_the_package_is_named_by_it_whatever_the_authors_machin
     (finding,) = check(root / "launch" / name, codes={"PKG012"}).findings
     assert finding.fix is not None
     assert finding.fix.title == f"write `$({find} car)/launch/world.launch`: the package has the file"
+
+
+def test_a_xacro_of_rosbuild_in_a_folder_of_another_name_names_the_folder(tmp_path: Path) -> None:
+    root = tmp_path / "clone"
+    write(root, "manifest.xml", text="<package><author>me</author></package>")
+    write(root, "urdf/base.xacro", text='<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>')
+    include = '<xacro:include filename="$(find arm)/urdf/base.xacro"/>'
+    write(
+        root, "urdf/r.urdf.xacro", text=f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>'
+    )
+    (finding,) = check(root / "urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("name the folder clone arm, as a package of rosbuild")
+
+
+def test_the_package_of_the_file_that_names_another_declares_it(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    depends = "<build_depend>gone</build_depend>"
+    write(tmp_path / "arm", "package.xml", text=f"<package format='3'><name>arm</name>{depends}</package>")
+    write(tmp_path / "cell", "package.xml", text="<package format='3'><name>cell</name></package>")
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    include = '<xacro:include filename="$(find arm)/urdf/arm.xacro"/>'
+    links = link("l", visual(mesh("package://gone/a.stl")))
+    write(tmp_path / "arm", "urdf/arm.xacro", text=f"<robot {space}>{links}</robot>")
+    write(tmp_path / "cell", "urdf/cell.urdf.xacro", text=f'<robot name="r" {space}>{include}</robot>')
+    (finding,) = check(tmp_path / "cell/urdf/cell.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.message_id == "files-declared"
+    assert finding.fix is not None
+    assert "declares it only for the build: add `<exec_depend>gone</exec_depend>`" in finding.fix.title

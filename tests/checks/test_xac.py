@@ -1370,3 +1370,19 @@ def test_a_name_that_a_macro_reads_may_be_a_parameter_that_it_lacks(
     (finding,) = check_text(tmp_path, text, "r.urdf.xacro", codes={"XAC001"}).findings
     assert finding.fix is not None
     assert finding.fix.title.endswith("or add it to the params of macro camera") == is_offered
+
+
+@pytest.mark.parametrize("declared", [True, False])
+def test_a_file_that_includes_without_the_prefix_may_lack_it_in_more_places(tmp_path: Path, declared: bool) -> None:
+    space = ' xmlns:xacro="http://www.ros.org/wiki/xacro"' if declared else ""
+    finding = only(
+        check_text(
+            tmp_path,
+            f'<robot name="r"{space}><include filename="b.xacro"/><body/></robot>',
+            "r.urdf.xacro",
+            codes={"XAC007"},
+        )
+    )
+    assert finding.fix is not None
+    assert ("declare the prefix: `<robot xmlns:xacro=" in finding.fix.title) is not declared
+    assert "as may the calls of their macros: <body>" in finding.fix.title

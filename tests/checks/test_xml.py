@@ -364,7 +364,21 @@ class TestXML003:
         ("before", "element", "repair"),
         [
             ('<link name="a"/>', "inertial", "move it into link a, which ends just before it"),
-            ('<link name="a"><inertial/></link>', "inertial", "delete it: link a before it has its own <inertial>"),
+            (
+                '<link name="a"><inertial><mass value="2"/></inertial></link>',
+                "inertial",
+                "keep one: link a before it has its own <inertial>, with other values (<mass> value: 2 there, 1 here);",
+            ),
+            (
+                '<link name="a"><inertial><mass value="1.0"/></inertial></link>',
+                "inertial",
+                "delete it: link a before it has the same <inertial>",
+            ),
+            (
+                '<link name="a"><visual><geometry><sphere radius="1"/></geometry></visual></link><link name="tip"/>',
+                "inertial",
+                "move it into link a: link tip between them is an empty frame",
+            ),
             ("<gazebo/>", "inertial", "move it into <link>, or delete it where that has one already"),
             ('<joint name="j"/>', "origin", "move it into joint j, which ends just before it"),
         ],
@@ -372,7 +386,7 @@ class TestXML003:
     def test_an_element_of_the_robot_belongs_in_the_one_before_it(
         self, tmp_path: Path, before: str, element: str, repair: str
     ) -> None:
-        inside = f'{before}<{element} xyz="0 0 1"><mass value="1"/></{element}><link name="b"/>'
+        inside = f'{before}<{element}><mass value="1"/></{element}><link name="b"/>'
         found = [
             f for f in findings(tmp_path, f'<robot name="r">{inside}</robot>', "XML003") if f.data["tag"] == element
         ]

@@ -17,6 +17,8 @@ from urdfcheck.source.text.xml import Attribute
 
 # Whatever leads Gazebo to a package: an export, an environment hook or a variable that a launch file sets.
 _PATH = re.compile(r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH|SDF_PATH|package://")
+# A variant of the robot whose meshes are given by folders, or a folder that the launch file may pass.
+_OTHER_ROOT = re.compile(r"file://\$|<xacro:arg\b[^>]*=\s*[\"']package://")
 _SPAWNERS = frozenset({("ros_gz_sim", "create"), ("ros_ign_gazebo", "create"), ("gazebo_ros", "spawn_entity.py")})
 # These read the exports of all packages and set the variable of Gazebo.
 _SIMULATORS = {
@@ -36,6 +38,8 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
         for shape in (*link.visuals, *link.collisions)
         if (attribute := shape.mesh_filename) is not None and (name := _read_package(attribute))
     }
+    if any(_OTHER_ROOT.search(file.text) for file in model.source.files.values()):
+        return  # what the launch file passes to xacro decides
     if not meshes or not _starts_gazebo(contents := _read_actions(launch)):
         return
     finder = launch.finder

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -27,10 +27,10 @@ _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
     launch = context.launch
     model = context.model if context.model is None or _may_be_published(launch, context.model) else None
-    placed = {t.child for t in launch.transforms}
+    placed = {t.child: t.parent for t in launch.transforms}
     for transform in launch.transforms:
         if model is not None and transform.child in model.link_by_name:
-            yield from _check_model_link(rule, transform, model)
+            yield from _check_model_link(rule, transform, model, placed)
         elif _is_footprint(transform, model):
             yield from _check_footprint(rule, transform, model, height_tol=height_tol)
         elif model is not None and transform.parent not in placed:
@@ -48,8 +48,13 @@ def _may_be_published(launch: Launch, model: Model) -> bool:
     return not publishers or format_path(model.source.path) in read
 
 
-def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> Iterator[Finding]:
-    """Report a transform to a link of the model, which only a root below the world needs."""
+def _check_model_link(
+    rule: Rule, transform: StaticTransform, model: Model, placed: Mapping[str, str]
+) -> Iterator[Finding]:
+    """Report a transform to a link of the model, which only a root below the world needs.
+
+    ``placed``: the parents that the launch file gives frames.
+    """
     joint = next((j for j in model.joints if j.child == transform.child), None)
     data: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
     if joint is not None:
@@ -60,7 +65,7 @@ def _check_model_link(rule: Rule, transform: StaticTransform, model: Model) -> I
             related=[joint],
             joint=joint.name,
             other=joint.parent,
-            root=_describe_root(model, transform),
+            root=_describe_root(model, transform, placed),
             apart=_describe_difference(transform, joint) if repeats else "",
             **data,
         )
@@ -84,11 +89,17 @@ def _describe_difference(transform: StaticTransform, joint: Joint) -> str:
     return f" ({' and '.join(parts)} apart)" if parts else ""
 
 
-def _describe_root(model: Model, transform: StaticTransform) -> str:
-    """Return the repair for a transform from a frame outside the robot, which may be meant to place the whole robot."""
+def _describe_root(model: Model, transform: StaticTransform, placed: Mapping[str, str]) -> str:
+    """Return the repair for a transform from a frame outside the robot, which may be meant to place the whole robot.
+
+    Empty where the root would then have two parents, or be below itself.
+    """
     children = {joint.child for joint in model.joints}
     roots = [name for name in model.link_by_name if name not in children]
-    if transform.parent in model.link_by_name or len(roots) != 1:
+    above = {transform.parent}
+    while (frame := next((placed[f] for f in above if f in placed and placed[f] not in above), None)) is not None:
+        above.add(frame)
+    if not above.isdisjoint(model.link_by_name) or len(roots) != 1 or roots[0] in placed:
         return ""
     return (
         f"; or write the root {roots[0]} for {transform.child} if the node is to place the robot in {transform.parent}"

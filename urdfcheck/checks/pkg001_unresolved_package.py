@@ -11,6 +11,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.dependencies import find_dependent
+from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -32,7 +33,8 @@ from urdfcheck.source.text.xml import flatten_definitions
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
-_PATH_BEHIND = re.compile(r"[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
+_ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
+_PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -58,7 +60,8 @@ def _build_finding(
     related: Iterable[Located | Location],
     uses: Sequence[ResourceUse] = (),
 ) -> Finding:
-    dependent = _find_dependent(source, package, at)
+    owner = _find_owner(source, at)
+    dependent = _find_dependent(source, package, owner)
     declared = dependent is not None
     owners = _find_package_with_files(uses, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
@@ -78,7 +81,15 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
-    repair = checkout or _describe_repair(package, here, source, declared=declared)
+    repair = checkout or _describe_repair(package, here, source, owner, declared=declared)
+    own = [] if declared or here or near or checkout else _find_own_files(source, files)
+    if own and package and source.package is not None:
+        likewise = ", and the others likewise" if len(own) > 1 else ""
+        repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
+    clone = _find_rosbuild_folder(source, package, at)
+    if clone is not None and kind == "expansion":
+        repair = f"name the folder {clone} {package}, as a package of rosbuild (manifest.xml) has the name of its folder, or add "
+        repair += "a package.xml with this name"
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
     return rule.finding(
@@ -111,17 +122,15 @@ def _build_finding(
             if checkout
             else ""
             if declared
-            else _describe_own_files(source, files, here)
+            else _describe_places(files, here, own, source)
         )
         + named_by,
     )
 
 
-def _find_dependent(source: Source, package: str, at: Location) -> str | None:
-    """Return the package that depends on a missing one: the model's, that of the file that names it, or one below these."""
-    file = None if at.span is None else source.files.get(at.span.file)
-    naming = None if file is None else source.finder.find_package_of(file.path.absolute())
-    found = (find_dependent(one, package, source.finder) for one in (source.package, naming) if one is not None)
+def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:
+    """Return the package that depends on a missing one: that of the file that names it, the model's, or one below these."""
+    found = (find_dependent(one, package, source.finder) for one in (owner, source.package) if one is not None)
     return next(filter(None, found), None)
 
 
@@ -192,8 +201,24 @@ def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
     return bool(package) and len(folders) == 1 and all(map(is_rosbuild_package, folders))
 
 
-def _describe_repair(package: str, here: Mapping[str, Path], source: Source, *, declared: bool) -> str:
-    """Say how the files are found."""
+def _find_rosbuild_folder(source: Source, package: str, at: Location) -> str | None:
+    """Return the name of a folder around the model that is a package of rosbuild and has the file typed after ``$(find …)``."""
+    inside = _read_path_behind(at, source)
+    folders = [] if source.package is not None or not package or not inside else source.finder.list_parent_folders()
+    own = (f for f in folders if is_rosbuild_package(f) and source.finder.can_open(f / inside))
+    return next((f.name for f in own if (f / inside).is_file()), None)
+
+
+def _find_owner(source: Source, at: Location) -> Package | None:
+    """Return the package of the file in which a name is typed: its manifest must declare it, whatever model includes the file."""
+    file = None if at.span is None else source.files.get(at.span.file)
+    return source.package if file is None else source.finder.find_package_of(file.path.absolute())
+
+
+def _describe_repair(
+    package: str, here: Mapping[str, Path], source: Source, owner: Package | None, *, declared: bool
+) -> str:
+    """Say how the files are found; ``owner``: the package whose manifest must declare the other one."""
     if here:
         return describe_project_path(here.values(), source)
     if not package:
@@ -201,29 +226,43 @@ def _describe_repair(package: str, here: Mapping[str, Path], source: Source, *, 
     if is_part_of_robot(package) and source.package is None:
         return f"the package's name is missing before {package}: write `package://NAME/{package}/…`, or a path from this file"
     if declared:
-        return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`"
-    if source.package is not None and package in read_released_packages():
+        run_time = _ONLY_TO_BUILD.format(package) if owner is not None and _is_declared_to_build(owner, package) else ""
+        return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`{run_time}"
+    if owner is not None and package in read_released_packages():
         return f"declare it in package.xml and install it, or pass `--package {shlex.quote(package)}=FOLDER`"
-    declare = "declare it in package.xml or " if source.package is not None else ""
+    declare = "declare it in package.xml or " if owner is not None else ""
     return f"correct the name; if the package is only missing here, {declare}pass `--package {shlex.quote(package)}=FOLDER`"
 
 
-def _describe_own_files(source: Source, files: Sequence[str], here: Mapping[str, Path]) -> str:
-    """Say where the model's own package has a file of the same name as each of these, if each is there once."""
+def _is_declared_to_build(owner: Package, package: str) -> bool:
+    """Whether a manifest declares a package for the build only."""
+    children = () if owner.root is None else owner.root.children
+    tags = {e.tag for e in children if e.tag.endswith("depend") and e.text.strip() == package}
+    return bool(tags) and tags <= {"build_depend", "buildtool_depend"}
+
+
+def _describe_places(files: Sequence[str], here: Mapping[str, Path], own: Sequence[str], source: Source) -> str:
+    """Say where the files are: in the project around the model (``here``), or in the model's own package (``own``)."""
     if here:
         folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in here.values())
         place = "beside the model" if list(folders) == ["."] else f"in {join_names(folders, 2)}"
         return f" (the {'file is' if len(files) == 1 else 'files are'} {place})"
-    if not files or source.package is None:
+    if not own or source.package is None:
         return ""
+    return f" ({source.package.name} has {'the file' if len(files) == 1 else 'the files'} as {join_names(own, 3)})"
+
+
+def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
+    """Return where the model's own package has a file of the same name as each of these; nothing unless each is there once."""
+    if not files or source.package is None:
+        return []
     index = index_files([source.package.path])
     found = [
         [p for p in index.get(PurePosixPath(f).name.lower(), []) if p.name == PurePosixPath(f).name] for f in files
     ]
     if any(len(paths) != 1 for paths in found):
-        return ""
-    places = [paths[0].relative_to(source.package.path).as_posix() for paths in found]
-    return f" ({source.package.name} has {'the file' if len(files) == 1 else 'the files'} as {join_names(places, 3)})"
+        return []
+    return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
 
 
 def _propose_edits(uses: Sequence[ResourceUse], package: str, near: Sequence[str]) -> list[Edit]:

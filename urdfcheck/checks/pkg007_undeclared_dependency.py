@@ -212,8 +212,8 @@ def _describe_unfound(names: Sequence[str], tags: Mapping[str, str], submodules:
         here = f"declare {'it if it is' if one else 'those that are'} in a submodule that is not checked out"
         return f"{here} ({join_names(submodules, 3)}) or elsewhere: {lines}; correct {'an old name' if one else 'old names'}"
     if one:
-        return f"correct the name if it is an old one; if it is a package of yours, declare it: {lines}"
-    return f"correct the names that are old ones; declare those that are packages of yours: {lines}"
+        return f"correct the name if it is an old one; if it is built from source, declare it: {lines}"
+    return f"correct the names that are old ones; declare those that are built from source: {lines}"
 
 
 def _name_launcher(consequences: Mapping[str, str], root: Element) -> dict[str, str]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -17,9 +18,11 @@ from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import list_subfolders
 from urdfcheck.source.package.references import PackageMention, iter_package_files, iter_package_mentions
+from urdfcheck.system.files import read_regular
 
-# The launch files of ROS 1.
+# The launch files of ROS 1, and what makes one: ROS 2 has no such substitution.
 _OLD_LAUNCH = ".launch"
+_OLD_LOOKUP = re.compile(r"\$\(find\s+['\"]?$")
 _MODEL_SUFFIXES = frozenset({".urdf", ".xacro", ".sdf", ".srdf", ".gazebo"})
 # So many files of a folder are looked at for what it holds.
 _MOST_FILES = 2_000
@@ -109,11 +112,14 @@ def _collect_missing_folders(package: Package, installed: InstalledFiles) -> dic
 
 
 def _is_left_over(mention: PackageMention, package: Package, installed: InstalledFiles) -> bool:
-    """Whether nothing reads the file of a mention after the build, which does not install it.
+    """Whether nothing reads the file of a mention after the build.
 
-    That is a launch file of ROS 1, or a model of this package that names a folder whose files are installed in another place.
+    That is a launch file of ROS 1, or a model of this package that is not installed and names a folder whose files are installed
+    in another place.
     """
     span = mention.location.span
+    if span is not None and _is_lookup_of_ros1(span):
+        return True
     own, file = package.path.absolute(), None if span is None else Path(os.path.abspath(span.file))
     inside = file.relative_to(own) if file is not None and file.is_relative_to(own) else None
     if inside is None:
@@ -122,6 +128,17 @@ def _is_left_over(mention: PackageMention, package: Package, installed: Installe
         return True
     is_elsewhere = inside.suffix in _MODEL_SUFFIXES and any(True for _ in installed.find_places(mention.folder))
     return is_elsewhere and not installed.may_install(inside.as_posix())
+
+
+def _is_lookup_of_ros1(span: Span) -> bool:
+    """Whether the name of a package in a launch file is in ``$(find …)``, with which ROS 2 does not load the file."""
+    if not span.file.endswith((_OLD_LAUNCH, f"{_OLD_LAUNCH}.xml")):
+        return False
+    try:
+        text = read_regular(Path(span.file)).decode("utf-8-sig", "replace")
+    except OSError:
+        return False
+    return _OLD_LOOKUP.search(text, 0, span.start) is not None
 
 
 def _describe_loss(package: Package, folders: Iterable[str]) -> dict[str, str]:

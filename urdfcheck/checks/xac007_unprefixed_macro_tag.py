@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
@@ -21,6 +21,7 @@ from urdfcheck.source.xacro.usage import (
     collect_uncalled_links,
     find_unprefixed_tags,
     iter_elements_by_tag,
+    list_strange_tags,
 )
 
 # At most so many tags of one file are listed, and renamed by one fix.
@@ -47,6 +48,7 @@ _RULES_ABOUT_WHOLE_ROBOTS = (
 )
 # Tags that only give a name a value.
 _VALUE_TAGS = frozenset({"property", "arg"})
+_DECLARATION = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 # A constant of mathematics that differs by less was rounded: XAC005 measures this.
 _ROUNDED = 5e-5
 
@@ -78,6 +80,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             lack="lacks" if len(tags) == 1 else "lack",
             listed=join_names(f"<{tag}>{format_repetition(times)}" for tag, times in tags.items()),
             times=format_repetition(len(elements)) if len(tags) == 1 else "",
+            more=_describe_further_edits(tags, source.trees[name]),
             explains=explained,
             consequences=_describe_consequences(source, elements),
         )
@@ -97,6 +100,18 @@ def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Sev
         return "unprefixed", None
     is_dead = all(_is_dead(source, element) for element in elements)
     return ("dead", Severity.INFO) if is_dead else ("value", Severity.WARNING)
+
+
+def _describe_further_edits(tags: Collection[str], root: Element) -> str:
+    """Say what else is needed: the declaration of the prefix, and what belongs to files that could not be included."""
+    more = "" if "xmlns:xacro" in root.attributes else f", and declare the prefix: `<{root.tag} {_DECLARATION} …>`"
+    if "include" not in tags:
+        return more
+    calls = list_strange_tags(root)
+    more += "; the included files were not read and may lack it too"
+    if calls:
+        more += f", as may the calls of their macros: {join_names((f'<{tag}>' for tag in calls), 3)}"
+    return more
 
 
 def _is_dead(source: Source, element: Element) -> bool:

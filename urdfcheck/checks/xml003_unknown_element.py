@@ -211,8 +211,8 @@ def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
 
 
 def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
-    """Return what must be written instead of a friction that is not less than the effort limit of its joint, or instead of
-    numbers with which the torque of a drive plugin does not turn its wheels."""
+    """Return what must be written instead of a friction and a damping that take the torque of a joint before it has its speed:
+    that of its limits, or of a drive plugin, whose speed is not known."""
     torques = {
         wheel.text.strip(): plugin.torque
         for plugin in list_drive_plugins(model)
@@ -220,19 +220,26 @@ def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
     }
     stuck: dict[str, None] = {}
     for place in places:
+        damping, friction = (parse_number(place.get(name)) or 0.0 for name in ("damping", "friction"))
         torque = None if place.parent is None else torques.get(place.parent.get("name"))
         if torque is not None and torque > 0:
-            values = {name: parse_number(place.get(name)) for name in ("friction", "damping")}
-            high = [name for name, value in values.items() if value is not None and value >= torque]
+            values = {"friction": friction, "damping": damping}
+            high = [name for name, value in values.items() if value >= torque]
             if high:
                 stuck[
                     f"less {' and '.join(high)} than the {torque:g} N·m with which the drive plugin turns the wheel"
                 ] = None
         limit = None if place.parent is None else place.parent.find_child("limit")
-        effort = None if limit is None else parse_number(limit.get("effort"))
-        friction = parse_number(place.get("friction"))
-        if effort is not None and friction is not None and friction >= effort > 0:
+        effort, velocity = (None if limit is None else parse_number(limit.get(name)) for name in ("effort", "velocity"))
+        if effort is None or effort <= 0:
+            continue
+        if friction >= effort:
             stuck[f"less friction than `{place.get('friction')}`: the effort limit of the joint is {effort:g}"] = None
+        elif damping > 0 and friction + damping * (velocity or 0.0) >= effort:
+            stuck[
+                f"less damping than {damping:g}: at the velocity limit {velocity:g} it takes {damping * (velocity or 0):.3g}, "
+                f"and the effort limit is {effort:g}"
+            ] = None
     return list(stuck)
 
 
@@ -337,8 +344,37 @@ def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str
     if place.tag == "origin" and before.find_child("origin") is not None:
         return None
     if place.tag not in _REPEATED.get(before.tag, frozenset()) and before.find_child(place.tag) is not None:
-        return f"delete it: {owner} before it has its own <{place.tag}>{others}"
+        return f"{_describe_twin(place, before.find_children(place.tag)[0], owner)}{others}"
+    drawn = before if before.children else _find_drawn_link(before)
+    if drawn is not None and drawn is not before and drawn.find_child(place.tag) is None:
+        return f"move it into {drawn.tag} {drawn.get('name')}: {owner} between them is an empty frame{others}"
     return f"move it into {owner}, which ends just before it{others}"
+
+
+def _describe_twin(place: Element, twin: Element, owner: str) -> str:
+    """Say what to do with an element where its home has one too: which of the two is right is not known if they differ."""
+    own = {e.tag: e for e in (twin, *twin.children)}
+    different: list[str] = []
+    for element in (place, *place.children):
+        there = own.get(element.tag)
+        values = {} if there is None else _read_values(there)
+        for name in (n for n, words in _read_values(element).items() if values.get(n) != words):
+            old = f"{there.get(name)} there" if there is not None and name in values else "none there"
+            different.append(f"<{element.tag}> {name}: {old}, {element.get(name)} here")
+    if not different:
+        return f"delete it: {owner} before it has the same <{place.tag}>"
+    return (
+        f"keep one: {owner} before it has its own <{place.tag}>, with other values ({join_names(different, 2)}); write the "
+        "right ones there, and delete this one"
+    )
+
+
+def _find_drawn_link(element: Element) -> Element | None:
+    """Return the nearest link before an element that has a shape."""
+    siblings = [] if element.parent is None else element.parent.children
+    index = next((i for i, sibling in enumerate(siblings) if sibling is element), 0)
+    shaped = (e for e in reversed(siblings[:index]) if e.find_child("visual") or e.find_child("collision"))
+    return next(shaped, None)
 
 
 def _find_neighbours(element: Element) -> tuple[Element | None, Element | None]:

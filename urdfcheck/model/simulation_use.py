@@ -13,7 +13,7 @@ from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag
+from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # Elements of a robot that only simulators read.
 _ELEMENTS = ("gazebo", "mujoco")
@@ -141,7 +141,7 @@ def names_successor(model: Model) -> bool:
 def has_successor_branch(model: Model, element: Element) -> bool:
     """Whether other arguments of the model load a plugin of the new Gazebo instead of an element, which is of Classic.
 
-    Both are under conditions that read one name, and this robot lacks the plugin.
+    Both are under conditions that read one name, perhaps around the calls of their macros, and this robot lacks the plugin.
     """
     read = _collect_condition_names(model, element)
     here = set(map(_get_place, iter_elements_by_tag({"": model.robot}, "plugin"))) if read else set()
@@ -155,16 +155,23 @@ def has_successor_branch(model: Model, element: Element) -> bool:
 
 
 def _collect_condition_names(model: Model, element: Element) -> set[str]:
-    """Collect what the conditions around an element read, where it is typed."""
+    """Collect what the conditions around an element read, where it is typed and where the macros around it are called."""
     place = _get_place(element)
     tree = None if place is None else model.source.trees.get(place[0])
-    typed = None if tree is None else next((e for e in tree.walk() if _get_place(e) == place), None)
+    around = [] if tree is None else [e for e in tree.walk() if _get_place(e) == place][:1]
     names: set[str] = set()
-    while typed is not None:
+    followed: set[str] = set()
+    while around:
+        typed = around.pop()
+        macro = strip_namespace(typed.get("name"))
         if typed.tag in {"xacro:if", "xacro:unless"}:
             value = typed.get("value")
             names |= find_expression_names(value) | {*ARGUMENT.findall(value)}
-        typed = typed.parent
+        elif typed.tag == "xacro:macro" and macro not in followed:
+            followed.add(macro)
+            around += iter_elements_by_tag(model.source.trees, f"xacro:{macro}")
+        if typed.parent is not None:
+            around.append(typed.parent)
     return names
 
 

@@ -119,8 +119,9 @@ def read_package_contents(package: Package) -> PackageContents:
 def iter_started_packages(package: Package) -> Iterator[PackageMention]:
     """Yield the packages of the programs that a package's launch files start, without its own."""
     for path in islice(iter_package_files(package, package.path), _MOST_FILES):
-        if path.name.endswith(_LAUNCH_SUFFIXES):
-            text = _read_text(path)
+        is_launch = path.name.endswith(_LAUNCH_SUFFIXES)
+        text = _read_text(path) if is_launch or path.suffix == ".py" else ""
+        if is_launch or "def generate_launch_description" in text:
             file = SourceFile(path, format_path(path), text=text)
             for match in _STARTED.finditer(_remove_comments(text, path.suffix)):
                 name = match[1] or match[2]

@@ -182,6 +182,12 @@ def find_unprefixed_tags(
     return unprefixed
 
 
+def list_strange_tags(tree: Element) -> list[str]:
+    """Return the tags directly in a root that no parser of robots knows: calls of macros in other files may lack the prefix."""
+    known = _URDF_TAGS | _FOREIGN_TAGS | _REQUIRED_BY_TAG.keys()
+    return list(dict.fromkeys(e.tag for e in tree.children if ":" not in e.tag and e.tag not in known))
+
+
 def _is_builtin(element: Element) -> bool:
     needed = _REQUIRED_BY_TAG.get(element.tag)
     return needed is not None and needed <= element.attributes.keys()
