@@ -17,7 +17,8 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation, is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
-from urdfcheck.model.shapes.solids import get_mesh_scale, measure_shape_solid
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
+from urdfcheck.model.shapes.solids import measure_shape_solid
 
 # A shape settles which way up a mesh is meant when its box is nearer to that of one way than to the other's by this ratio.
 _NEARER = 0.5
@@ -189,7 +190,7 @@ def measure_shape_volume(model: Model, shape: Shape) -> float | None:
     """Measure the volume of a shape (m³), or of its convex hull where it is not closed; None when that is not known."""
     facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)
     if facts is None or scale is None:
-        solid = measure_shape_solid(model, shape)
+        solid = None if shape.kind == "mesh" else measure_shape_solid(model, shape)
         return None if solid is None else solid.volume
     return abs(float(scale.prod()) * (facts.volume if facts.closed else facts.hull.volume))
 
