@@ -18,6 +18,8 @@ from scipy.spatial import ConvexHull
 from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity, Verdict
 from urdfcheck.model import gltf_buffers
+from urdfcheck.model.shapes import mesh_sizes
+from urdfcheck.rules import load_rules
 
 pytestmark = pytest.mark.slow
 
@@ -640,6 +642,11 @@ def test_every_link_that_uses_the_mesh_is_a_subject(tmp_path: Path) -> None:
     codes = {"MSH008", "GEO003", "INR009", "INR010"}
     (finding,) = check_text(tmp_path, f'<robot name="r">{text}</robot>', codes=codes).findings
     assert [subject.split("/")[0] for subject in finding.subjects] == [f"link[w{i}]" for i in range(4)]
+
+
+def test_what_other_rules_measure_goes_by_the_default_thresholds() -> None:
+    options = {name: option.default for name, option in load_rules()["MSH008"].options.items()}
+    assert options == {"largest": mesh_sizes.LARGEST, "ratio": mesh_sizes.RATIO, "smallest": mesh_sizes.SMALLEST}
 
 
 @pytest.mark.parametrize(("size", "scale"), [(400.0, "1 1 1"), (0.4, "0.001 0.001 0.001")])

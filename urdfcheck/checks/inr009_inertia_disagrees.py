@@ -266,7 +266,7 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False
     if diagnosis.com_mismatch <= far and (is_rounded_uniform(model, tensor, judged) or is_placeholder(tensor, judged)):
         return False
-    if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
+    if explain_collision_stand_in(model, tensor.link) in {"unread", "wrong size"} or has_loose_hull(model, tensor.link):
         return False  # the shape of the part is not known
     if tensor.link.name in list_bolted_links(model) or _is_drawn_in_other_unit(model, tensor.link):
         return False

@@ -17,7 +17,7 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation, is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
-from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale, has_wrong_size
 from urdfcheck.model.shapes.solids import measure_shape_solid
 
 # A shape settles which way up a mesh is meant when its box is nearer to that of one way than to the other's by this ratio.
@@ -48,8 +48,8 @@ def measure_link_geometry(
 
 
 def explain_collision_stand_in(model: Model, link: Link) -> str | None:
-    """Explain why `measure_link_geometry` returns the collision shapes of a link: ``open`` or ``unread`` visual meshes, or ``no
-    visual``. None where it returns the visual ones."""
+    """Explain why `measure_link_geometry` returns the collision shapes of a link: visual meshes that are ``open``, ``unread`` or
+    of a ``wrong size``, or ``no visual``. None where it returns the visual ones."""
     visible = measure_role_geometry(model, link, "visual")
     if visible is not None and visible.closed:
         return None
@@ -58,6 +58,8 @@ def explain_collision_stand_in(model: Model, link: Link) -> str | None:
         return None
     if visible is not None:
         return "open"
+    if any(has_wrong_size(model, shape) for shape in link.visuals):
+        return "wrong size"
     return "unread" if any(not is_dummy_shape(shape) for shape in link.visuals) else "no visual"
 
 
