@@ -51,6 +51,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
+from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
@@ -139,7 +140,8 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             severity=Severity.ERROR
             if is_vast
             else Severity.INFO
-            if is_uneven and excess**0.5 < _BARELY_UNEVEN
+            if (is_uneven and excess**0.5 < _BARELY_UNEVEN)
+            or (excess < VAST and part.link.name in list_bolted_links(model))
             else None,
             edits=() if advice.repair is None else advice.repair.edits,
             remedy=advice.remedy,
