@@ -453,6 +453,35 @@ def test_the_part_that_the_tensor_fits_is_the_original(tmp_path: Path) -> None:
     assert [r.subject for r in finding.related] == ["link[fork]/inertial/inertia"]
 
 
+@pytest.mark.parametrize(
+    ("mass", "com", "shared"),
+    [
+        (0.4321, (0.01, 0.0, 0.005), "mass, COM and inertia tensor are those"),
+        (0.4321, (0.0, 0.0, 0.0), "mass and inertia tensor are those"),
+        (0.5, (0.01, 0.0, 0.005), "the inertia tensor is that"),
+    ],
+)
+def test_what_else_was_copied_with_a_tensor_is_told(
+    tmp_path: Path, mass: float, com: tuple[float, ...], shared: str
+) -> None:
+    fork = Part(mass=0.4321, com=com)
+    wheel = Part(size=(0.2, 0.06, 0.04), mass=mass, com=com, tensor=fork.inertia)
+    (finding,) = find(tmp_path, make_chain(wheel.xml("wheel"), fork.xml("fork")), "INR008")
+    assert f"wheel: {shared}" in finding.message
+    assert finding.fix is not None
+    assert ("at the link's mass" in finding.fix.title) == ("is that" in shared)
+
+
+def test_a_com_that_alone_is_off_is_marked(tmp_path: Path) -> None:
+    rod = Part(size=(0.2, 0.05, 0.05), com=(0.1, 0.0, 0.0))
+    (finding,) = find(tmp_path, make_chain(rod.xml("rod")), "INR009")
+    assert finding.message_id == "disagrees"
+    assert finding.location.subject == "link[rod]/inertial/origin"
+    assert "Only the COM's x is off, by half of what is drawn along x" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("export the COM again")
+
+
 def test_where_no_part_fits_all_are_reported(tmp_path: Path) -> None:
     tensor = np.diag((1.1e-4, 1.9e-4, 2.3e-4))
     one, other = Part(tensor=tensor), Part(size=(0.2, 0.06, 0.04), tensor=tensor)
