@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import box, collision, cylinder, find, inertial, joint, link, mesh, robot, visual
+from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, link, mesh, robot, visual
 from castings import CASTING, DeclaredInertial, edited, format_inertial, geometry, uniform, write_stl
 from numpy.typing import NDArray
 
@@ -890,3 +890,9 @@ def test_a_tensor_of_zero_does_not_hide_a_com_outside_the_part(tmp_path: Path) -
     assert [finding.code for finding in found].count("INR004") == 1
     outside = [finding.location.subject.partition("/")[0] for finding in found if finding.code == "INR006"]
     assert outside == ["link[foot]", "link[cleat_0]", "link[cleat_1]"]
+
+
+def test_a_dummy_visual_is_not_the_part(tmp_path: Path) -> None:
+    shapes = visual(box("0.001 0.001 0.001")) + collision('<sphere radius="0.011"/>')
+    moments = dict.fromkeys(("ixx", "iyy", "izz"), "5e-7")
+    assert find(tmp_path, arm_on_base(inertial("0.01", **moments), shapes), CODES) == []

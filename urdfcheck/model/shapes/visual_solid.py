@@ -40,7 +40,7 @@ def measure_link_geometry(
     there is nothing, or a shape is not known. ``apply_unit`` and ``apply_up_axis``: whether COLLADA's ``<unit>`` and
     ``<up_axis>`` are followed; RViz follows the unit alone.
     """
-    drawn = _measure_role(model, link, "visual", apply_unit, apply_up_axis)
+    drawn = None if _draws_dummies(link) else _measure_role(model, link, "visual", apply_unit, apply_up_axis)
     if drawn is not None and drawn.closed:
         return drawn
     colliding = _measure_role(model, link, "collision", apply_unit, apply_up_axis)
@@ -50,7 +50,7 @@ def measure_link_geometry(
 def explain_collision_stand_in(model: Model, link: Link) -> str | None:
     """Explain why `measure_link_geometry` returns the collision shapes of a link: visual meshes that are ``open``, ``unread`` or
     of a ``wrong size``, or ``no visual``. None where it returns the visual ones."""
-    visible = measure_role_geometry(model, link, "visual")
+    visible = None if _draws_dummies(link) else measure_role_geometry(model, link, "visual")
     if visible is not None and visible.closed:
         return None
     colliding = measure_role_geometry(model, link, "collision")
@@ -61,6 +61,11 @@ def explain_collision_stand_in(model: Model, link: Link) -> str | None:
     if any(has_wrong_size(model, shape) for shape in link.visuals):
         return "wrong size"
     return "unread" if any(not is_dummy_shape(shape) for shape in link.visuals) else "no visual"
+
+
+def _draws_dummies(link: Link) -> bool:
+    """Whether a link draws nothing but dummies, and collides as a part."""
+    return all(map(is_dummy_shape, link.visuals)) and not all(map(is_dummy_shape, link.collisions))
 
 
 def describe_geometry_source(model: Model, link: Link) -> str:
