@@ -472,6 +472,15 @@ def test_what_else_was_copied_with_a_tensor_is_told(
     assert ("at the link's mass" in finding.fix.title) == ("is that" in shared)
 
 
+def test_a_tensor_of_two_parts_is_in_no_other_unit(tmp_path: Path) -> None:
+    """Near what one of them has in kg·cm², and far from what the other has."""
+    tensor = 1.1e4 * Part().inertia * [[1.0, 1, 1], [1, 1.2, 1], [1, 1, 0.9]]
+    parts = (Part(tensor=tensor).xml("cap"), Part(size=(0.3, 0.06, 0.04), mass=4.0, tensor=tensor).xml("wheel"))
+    (finding,) = find(tmp_path, make_chain(*parts), {"INR005", "INR008", "INR009"})
+    assert (finding.code, finding.message_id, finding.severity) == ("INR008", "shared", Severity.ERROR)
+    assert finding.message.endswith("For the mass of cap it is more than 1,000 times too large")
+
+
 def test_a_com_that_alone_is_off_is_marked(tmp_path: Path) -> None:
     rod = Part(size=(0.2, 0.05, 0.05), com=(0.1, 0.0, 0.0))
     (finding,) = find(tmp_path, make_chain(rod.xml("rod")), "INR009")
