@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
-from urdfcheck.model.likeness.origin_slips import is_taken_back
+from urdfcheck.model.likeness.origin_slips import is_of_other_kind, is_taken_back
 from urdfcheck.model.likeness.shape_comparison import is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
@@ -104,7 +104,7 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
             continue
         like = next(i for i in range(len(group)) if i not in odd)
         others = tuple(other for i, other in enumerate(group) if i != index)
-        if _is_of_other_kind(group[index], others) or is_alike(model, group[index].child, group[like].child) is False:
+        if is_of_other_kind(group[index], others) or is_alike(model, group[index].child, group[like].child) is False:
             continue
         if attribute == "xyz" and is_taken_back(model, group[index], group[like]):
             continue
@@ -117,21 +117,6 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
         else:
             continue
         yield OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected)
-
-
-def _is_of_other_kind(joint: Joint, others: Sequence[Joint]) -> bool:
-    """Whether a joint is another thing than those like it: a text makes several of these and not this one, such as a macro for
-    another finger, or it hangs on another kind of link than they do."""
-    texts = [other.element.span for other in others]
-    if joint.element.span not in texts and len(set(texts)) < len(texts):
-        return True
-    parents = {_name_kind(other.parent) for other in others}
-    return len(parents) == 1 and _name_kind(joint.parent) not in parents
-
-
-def _name_kind(link: str) -> tuple[str, ...]:
-    """Return the words of a name without places and numbers."""
-    return tuple(word for word in remove_places(link) if not word.isdigit())
 
 
 def _find_odd_spoke(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
