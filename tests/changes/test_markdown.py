@@ -62,8 +62,8 @@ def test_links_whose_collisions_are_unknown_are_named(tmp_path: Path, render: Ca
     assert model.mechanism.collisions is not None
     collisions = replace(model.mechanism.collisions, unread=("left", "right", "hand"))
     unread = replace(model, mechanism=replace(model.mechanism, collisions=collisions))
-    assert "of which a shape could not be read" not in render(diff)
-    shown = "not compared: link left, link right and 1 more, of which a shape could not be read"
+    assert "of which a shape could not be measured" not in render(diff)
+    shown = "not compared: link left, link right and 1 more, of which a shape could not be measured"
     assert shown in render(replace(diff, models=(unread,)))
 
 

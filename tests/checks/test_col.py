@@ -351,7 +351,7 @@ def test_a_mesh_that_cannot_be_read_is_left_out_and_the_rule_says_so(tmp_path: P
     run = check_text(tmp_path, text, codes={"COL001"})
     assert [f.code for f in run.findings] == ["COL001"]
     assert [(s.code, s.reason) for s in run.skipped] == [
-        ("COL001", "collision shapes could not be read and were left out: link[d]")
+        ("COL001", "collision shapes could not be measured and were left out: link[d]")
     ]
 
 

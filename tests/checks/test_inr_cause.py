@@ -180,6 +180,15 @@ def test_one_small_number_is_rounded_only_where_its_decimals_are_typed(
     assert causes == ["rounded"] * found
 
 
+def test_one_of_several_typed_multiples_of_the_identity_was_not_rounded(tmp_path: Path) -> None:
+    drawn = '<visual><geometry><box size="0.03 0.03 0.03"/></geometry></visual>'
+    other = f'<link name="other">{inertial(0.06, ixx="0.00001", iyy="0.00001", izz="0.00001")}</link>' + joint(
+        "k", "arm", "other", kind="fixed"
+    )
+    text = make_drawn_arm(inertial(0.01, ixx="0.000001", iyy="0.000001", izz="0.000001"), drawn)
+    assert find(tmp_path, text.replace("</robot>", f"{other}</robot>"), "INR009") == []
+
+
 def test_the_page_explains_every_cause() -> None:
     of_files = {"mesh_frame"}  # a mistake beside the numbers
     assert set(load_rules()["INR009"].causes) == {*HYPOTHESES, *of_files}

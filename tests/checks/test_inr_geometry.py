@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import box, collision, cylinder, find, inertial, joint, link, mesh, robot, visual
+from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, link, mesh, robot, visual
 from castings import CASTING, DeclaredInertial, edited, format_inertial, geometry, uniform, write_stl
 from numpy.typing import NDArray
 
@@ -453,6 +453,44 @@ def test_the_part_that_the_tensor_fits_is_the_original(tmp_path: Path) -> None:
     assert [r.subject for r in finding.related] == ["link[fork]/inertial/inertia"]
 
 
+@pytest.mark.parametrize(
+    ("mass", "com", "shared"),
+    [
+        (0.4321, (0.01, 0.0, 0.005), "mass, COM and inertia tensor are those"),
+        (0.4321, (0.0, 0.0, 0.0), "mass and inertia tensor are those"),
+        (0.5, (0.01, 0.0, 0.005), "the inertia tensor is that"),
+    ],
+)
+def test_what_else_was_copied_with_a_tensor_is_told(
+    tmp_path: Path, mass: float, com: tuple[float, ...], shared: str
+) -> None:
+    fork = Part(mass=0.4321, com=com)
+    wheel = Part(size=(0.2, 0.06, 0.04), mass=mass, com=com, tensor=fork.inertia)
+    (finding,) = find(tmp_path, make_chain(wheel.xml("wheel"), fork.xml("fork")), "INR008")
+    assert f"wheel: {shared}" in finding.message
+    assert finding.fix is not None
+    assert ("at the link's mass" in finding.fix.title) == ("is that" in shared)
+
+
+def test_a_tensor_of_two_parts_is_in_no_other_unit(tmp_path: Path) -> None:
+    """Near what one of them has in kg·cm², and far from what the other has."""
+    tensor = 1.1e4 * Part().inertia * [[1.0, 1, 1], [1, 1.2, 1], [1, 1, 0.9]]
+    parts = (Part(tensor=tensor).xml("cap"), Part(size=(0.3, 0.06, 0.04), mass=4.0, tensor=tensor).xml("wheel"))
+    (finding,) = find(tmp_path, make_chain(*parts), {"INR005", "INR008", "INR009"})
+    assert (finding.code, finding.message_id, finding.severity) == ("INR008", "shared", Severity.ERROR)
+    assert finding.message.endswith("For the mass of cap it is more than 1,000 times too large")
+
+
+def test_a_com_that_alone_is_off_is_marked(tmp_path: Path) -> None:
+    rod = Part(size=(0.2, 0.05, 0.05), com=(0.1, 0.0, 0.0))
+    (finding,) = find(tmp_path, make_chain(rod.xml("rod")), "INR009")
+    assert finding.message_id == "disagrees"
+    assert finding.location.subject == "link[rod]/inertial/origin"
+    assert "Only the COM's x is off, by half of what is drawn along x" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("export the COM again")
+
+
 def test_where_no_part_fits_all_are_reported(tmp_path: Path) -> None:
     tensor = np.diag((1.1e-4, 1.9e-4, 2.3e-4))
     one, other = Part(tensor=tensor), Part(size=(0.2, 0.06, 0.04), tensor=tensor)
@@ -861,3 +899,9 @@ def test_a_tensor_of_zero_does_not_hide_a_com_outside_the_part(tmp_path: Path) -
     assert [finding.code for finding in found].count("INR004") == 1
     outside = [finding.location.subject.partition("/")[0] for finding in found if finding.code == "INR006"]
     assert outside == ["link[foot]", "link[cleat_0]", "link[cleat_1]"]
+
+
+def test_a_dummy_visual_is_not_the_part(tmp_path: Path) -> None:
+    shapes = visual(box("0.001 0.001 0.001")) + collision('<sphere radius="0.011"/>')
+    moments = dict.fromkeys(("ixx", "iyy", "izz"), "5e-7")
+    assert find(tmp_path, arm_on_base(inertial("0.01", **moments), shapes), CODES) == []

@@ -18,6 +18,8 @@ from scipy.spatial import ConvexHull
 from urdfcheck.checks import msh011_format_unsupported
 from urdfcheck.core import Finding, Severity, Verdict
 from urdfcheck.model import gltf_buffers
+from urdfcheck.model.shapes import mesh_sizes
+from urdfcheck.rules import load_rules
 
 pytestmark = pytest.mark.slow
 
@@ -637,10 +639,38 @@ def test_every_link_that_uses_the_mesh_is_a_subject(tmp_path: Path) -> None:
         f'<child link="w{i}"/><origin xyz="{x} {y} 0"/><axis xyz="0 1 0"/></joint>'
         for i, (x, y) in enumerate([(0.2, 0.1), (0.2, -0.1), (-0.2, 0.1), (-0.2, -0.1)])
     )
-    codes = {"MSH008", "GEO003", "INR009"}
+    codes = {"MSH008", "GEO003", "INR009", "INR010"}
     (finding,) = check_text(tmp_path, f'<robot name="r">{text}</robot>', codes=codes).findings
     assert [subject.split("/")[0] for subject in finding.subjects] == [f"link[w{i}]" for i in range(4)]
-    assert "GEO003" in finding.data["hides"]
+
+
+def test_what_other_rules_measure_goes_by_the_default_thresholds() -> None:
+    options = {name: option.default for name, option in load_rules()["MSH008"].options.items()}
+    assert options == {"largest": mesh_sizes.LARGEST, "ratio": mesh_sizes.RATIO, "smallest": mesh_sizes.SMALLEST}
+
+
+@pytest.mark.parametrize(("size", "scale"), [(400.0, "1 1 1"), (0.4, "0.001 0.001 0.001")])
+def test_nothing_is_measured_on_a_mesh_in_the_wrong_size(tmp_path: Path, size: float, scale: str) -> None:
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, size))
+    inertial = (
+        '<inertial><mass value="2"/><inertia ixx="0.05" ixy="0" ixz="0" iyy="0.05" iyz="0" izz="0.05"/></inertial>'
+    )
+    part = shape("visual", "part.obj", scale=scale) + shape("collision", "part.obj", scale=scale)
+    sensor = (
+        '<gazebo reference="l"><sensor name="s" type="gpu_lidar"><lidar><scan><horizontal><samples>90</samples>'
+        "<min_angle>-3.1</min_angle><max_angle>3.1</max_angle></horizontal></scan><range><min>0.1</min><max>300</max></range>"
+        "</lidar></sensor></gazebo>"
+    )
+    text = (
+        f'<robot name="r"><link name="base"/><link name="l">{inertial}{part}</link><link name="other">{inertial}'
+        '<collision><geometry><box size="0.4 0.4 0.4"/></geometry></collision></link>'
+        '<joint name="j" type="fixed"><parent link="base"/><child link="l"/><origin xyz="0.5 0 0"/></joint>'
+        '<joint name="k" type="revolute"><parent link="base"/><child link="other"/><origin xyz="-0.5 0 0"/>'
+        f'<axis xyz="0 0 1"/><limit lower="-1" upper="1" effort="9" velocity="1"/></joint>{sensor}</robot>'
+    )
+    found = check_text(tmp_path, text).findings
+    measured = [f.code for f in found if f.code[:3] in {"INR", "GEO", "COL", "DYN", "MSH"} or f.code == "GZB009"]
+    assert measured == ["MSH008"]
 
 
 def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, inertial, joint, link, robot
+from builders import box, collision, find, inertial, joint, link, mesh, robot, visual
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
@@ -376,3 +376,22 @@ def test_a_twin_is_what_the_copies_agree_on_in_the_links_own_frame(tmp_path: Pat
     assert wanted.inertia == pytest.approx(turn @ TENSOR @ turn.T)
     assert [link.name for link in estimate_from_copies(model)["fl_part"].by] == ["rl_part", "fr_part"]
     assert "base" not in estimate_from_copies(model)
+
+
+def test_no_copy_is_blamed_that_has_the_numbers_of_another(tmp_path: Path) -> None:
+    """The collision shapes, which stand for an open mesh, are symmetric in some of the links only."""
+    write_mesh(tmp_path)
+    path = tmp_path / "lump.stl"
+    path.write_text(path.read_text().rpartition("facet normal")[0] + "endsolid lump")
+    body = inertial(0.4321, com="0 0 0.01", ixx=3e-5, ixy=0, ixz=1e-5, iyy=7e-5, iyz=0, izz=8e-5)
+    block, beside = collision(box("0.1 0.1 0.1")), collision(box("0.03 0.02 0.04"), xyz="0.05 0.03 0.04")
+    parts = [link("base")]
+    for name, rpy, extra in (
+        ("fl", "0 0 0", ""),
+        ("rl", "0 0 0", ""),
+        ("fr", f"0 0 {np.pi}", ""),
+        ("rr", f"0 0 {np.pi}", beside),
+    ):
+        parts.append(link(f"{name}_part", body, visual(mesh("lump.stl"), rpy=rpy), block, extra))
+        parts.append(joint(f"{name}_joint", "base", f"{name}_part", kind="continuous", xyz=PLACES[name], axis="0 1 0"))
+    assert [f.message_id for f in find(tmp_path, robot(*parts), "SYM003")] == []

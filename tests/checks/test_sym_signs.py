@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from builders import find, joint
+from conftest import check_text
 
 from urdfcheck.core import Finding
 
@@ -418,3 +419,32 @@ def test_a_leg_that_is_turned_against_the_other_is_found(
     for finding in found:
         assert finding.fix is not None
         assert [(edit.expected, edit.replacement) for edit in finding.fix.edits] == [(hip, "0 0 0")]
+
+
+@pytest.mark.parametrize(("alike", "count"), [("one", 1), ("macro", 0), ("parent", 0)])
+def test_a_finger_from_another_macro_or_on_another_kind_of_link_is_another_finger(
+    tmp_path: Path, alike: str, count: int
+) -> None:
+    tip = (
+        '<link name="${side}_tip"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        '</inertial></link><joint name="${side}_tip" type="fixed"><parent link="${side}_PARENT"/><child link="${side}_tip"/>'
+        '<origin xyz="${at}"/></joint>'
+    )
+    finger = '<link name="${side}_distal"/><link name="${side}_dummy"/>' + "".join(
+        f'<joint name="${{side}}_{name}" type="revolute"><parent link="{parent}"/><child link="${{side}}_{name}"/>'
+        f'<origin xyz="${{x}} 0 0.1"/><axis xyz="1 0 0"/>{LIMIT}</joint>'
+        for name, parent in (("distal", "palm"), ("dummy", "${side}_distal"))
+    )
+    other = "dummy" if alike == "parent" else "distal"
+    macros = "".join(
+        f'<xacro:macro name="{name}" params="side x at">{finger}{tip.replace("PARENT", parent)}</xacro:macro>'
+        for name, parent in (("plain", "distal"), ("special", other))
+    )
+    places = {"FL": "0 0.004 0.029", "FR": "0 0 0.026", "HL": "0 0 0.026", "HR": "0 0 0.026"}
+    calls = "".join(
+        f'<xacro:{"special" if side == "FL" and alike != "one" else "plain"} side="{side}" x="{i / 10}" at="{at}"/>'
+        for i, (side, at) in enumerate(places.items())
+    )
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="palm"/>{macros}{calls}</robot>'
+    found = check_text(tmp_path, text, "r.urdf.xacro").findings
+    assert [f.message_id for f in found if f.code == "SYM004"] == ["odd"] * count

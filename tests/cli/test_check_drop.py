@@ -126,9 +126,9 @@ def test_a_robot_falls_on_the_shapes_that_are_left(tmp_path: Path) -> None:
     (drop,) = run.drops
     assert drop.unread == ("left_wheel", "right_wheel")
     assert {touching.link for touching in drop.held.touching} == {"caster", "rear_caster"}
-    assert drop.undriven == "a shape of link 'left_wheel' could not be read"
+    assert drop.undriven == "a shape of link 'left_wheel' could not be measured"
     assert not list_simulated(run), "it stands on what it should not, and nothing is known of that"
-    assert describe_fall(run).endswith("(without the shapes of left_wheel, right_wheel, which could not be read)")
+    assert describe_fall(run).endswith("(without the shapes of left_wheel, right_wheel, which could not be measured)")
 
 
 def test_a_robot_of_which_no_shape_is_left_is_not_dropped(tmp_path: Path) -> None:

@@ -274,7 +274,7 @@ def test_a_bolted_robot_needs_no_shape_that_can_be_read(tmp_path: Path) -> None:
     assert (found.unread, found.shapes) == (("base",), 0)
     assert found.size == pytest.approx(0.2, rel=1e-3)
     told = " ".join(describe_drop_setup(found))
-    assert "no ground: no shape could touch it without the shapes that could not be read: base" in told
+    assert "no ground: no shape could touch it without the shapes that could not be measured: base" in told
     assert outcome(tmp_path, robot(ROOT.replace(BOX, ""), make_limb("base", "a", "b"))).unread == ()
     shapes = robot(ROOT, make_limb("base", "a", "b").replace("</link>", BOX.replace("0.2 0.2", "0 0") + "</link>", 1))
     found = outcome(tmp_path, shapes)

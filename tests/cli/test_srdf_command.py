@@ -164,4 +164,4 @@ def test_pairs_with_a_mesh_that_cannot_be_read_stay_checked(arm: Path, capsys: p
     assert main(["srdf", str(arm)]) == OK
     text = capsys.readouterr().out
     assert '"base" link2="sleeve"' not in text
-    assert "1 of these because a collision shape of one of the links could not be read." in text
+    assert "1 of these because a collision shape of one of the links could not be measured." in text

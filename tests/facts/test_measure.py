@@ -872,6 +872,8 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(b"\n<!DOCTYPE html><html></html>", "stl", "html", id="web page"),
         pytest.param(GOOD_STL, "step", "unsupported", id="unknown format"),
         pytest.param(b"\x07", "stl", "truncated", id="one byte"),
+        pytest.param(b"This is no mesh.\n", "stl", "text", id="text"),
+        pytest.param(b"A page that is longer than a header is.\n" * 9, "stl", "text", id="long text"),
         pytest.param(GOOD_STL[:-1], "stl", "truncated", id="one byte short"),
         pytest.param(GOOD_STL + b"\n", "stl", "wrong-size", id="one byte too many"),
         pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=3), "stl", "wrong-size", id="declares fewer"),

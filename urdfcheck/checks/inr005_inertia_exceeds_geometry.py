@@ -51,6 +51,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
+from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
@@ -70,6 +71,8 @@ _ABOUT_ORIGIN = frozenset({"about_origin", "positive_notation"})
 # Moments that are all possible show little where the spread that the three need is not this much (as a length) beyond the bound:
 # of thirteen such findings that were judged, seven of the eight above it were useful, and one of the five below it.
 _BARELY_UNEVEN = 1.6
+# A spread that is greater than the bound by less than this factor is that of a rule of thumb (chosen).
+_BARELY = 1.1
 # Moments of another shape are so many times farther below the drawn part's than others.
 _OWN_FACTORS = 1.25
 # Moments that were computed from a shape are its own to within this share.
@@ -133,14 +136,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if is_uneven and advice.repair is None and (odd := _describe_odd_moment(model, declared)):
             advice = _Advice(remedy=f"{odd}, or ", explained=advice.explained)
+        is_bolted = excess < VAST and part.link.name in list_bolted_links(model)
+        is_minor = is_bolted or excess**0.5 < (_BARELY_UNEVEN if is_uneven else _BARELY)
         yield rule.finding(
             "uneven" if is_uneven else "com" if is_elsewhere else "exceeds",
             at=declared.element,
-            severity=Severity.ERROR
-            if is_vast
-            else Severity.INFO
-            if is_uneven and excess**0.5 < _BARELY_UNEVEN
-            else None,
+            severity=Severity.ERROR if is_vast else Severity.INFO if is_minor else None,
             edits=() if advice.repair is None else advice.repair.edits,
             remedy=advice.remedy,
             comparison=advice.comparison,

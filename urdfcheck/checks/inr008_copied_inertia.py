@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_box_size, join_names
+from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
-from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
+from urdfcheck.model.inertials.inertial_effects import is_vast
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import is_point_mass
 from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
@@ -146,28 +148,71 @@ def _compare_shapes(
     ]
     if not copies:
         return
-    # If the tensor fits no part well, or several, which of them is the copy is not known.
+    # If the tensor fits no part well, or several, which of them is the copy is not known: the finding is about all that have it.
     known = original.misfit <= 2 * shape < min(part.misfit for part in copies)
-    worst = max(copies, key=lambda part: part.measure_shape_distance(original))
-    # Where it is not known, the finding is about all that have the tensor.
-    wrong = copies if known else list(parts)
+    for wrong in _split_by_extent(copies, original) if known else [list(parts)]:
+        yield _build_finding(model, rule, wrong, original, known=known)
+
+
+def _split_by_extent(copies: Sequence[_InertiaSignature], original: _InertiaSignature) -> list[list[_InertiaSignature]]:
+    """Split copies by what they have of the original, for the repairs differ."""
+    groups: dict[str, list[_InertiaSignature]] = {}
+    for part in copies:
+        groups.setdefault(_name_shared_numbers([part, original]), []).append(part)
+    return list(groups.values())
+
+
+def _name_shared_numbers(parts: Sequence[_InertiaSignature]) -> str:
+    """Name what links with one tensor have in common: a mass of few digits may be twice there by chance."""
+    coms = [one.declared.inertial.origin.xyz or (0.0, 0.0, 0.0) for one in parts]
+    same_com = len({tuple(f"{abs(v):.{_DIGITS}g}" for v in com) for com in coms}) == 1 and any(coms[0])
+    if len({f"{part.mass:.{_DIGITS}g}" for part in parts}) > 1:
+        return "inertia tensor"
+    if same_com:
+        return "mass, COM and inertia tensor"
+    return "mass and inertia tensor" if _has_telling_digits(parts[0].mass) else "inertia tensor"
+
+
+def _build_finding(
+    model: Model, rule: Rule, wrong: Sequence[_InertiaSignature], original: _InertiaSignature, *, known: bool
+) -> Finding:
+    worst = max(wrong, key=lambda part: part.measure_shape_distance(original))
     places = [part.declared.element for part in wrong]
+    shared = _name_shared_numbers([*wrong, original])
+    judged = inertial_diagnoses(model)
+    explained = _list_explained(wrong, judged)
+    vast = [name for name in explained if is_vast(model, model.link_by_name[name], judged[name])]
     finding = rule.finding(
         "copied" if known else "shared",
         at=places[0],
         related=[original.declared.element, *places[1:]] if known else places[1:],
+        severity=Severity.ERROR if vast else None,
         links=join_names([part.declared.link.name for part in wrong]),
         original=original.declared.link.name,
         worst=worst.declared.link.name,
+        shared=shared,
+        claim="the inertia tensor is that" if shared == "inertia tensor" else f"{shared} are those",
+        repair=_describe_repair(shared, original, known=known),
         equal=_describe_equality([*wrong, original]),
         role=original.role,
         size=_format_equivalent_box(worst),
         original_size=_format_equivalent_box(original),
-        count=len(parts),
-        # INR009 would say that no mistake explains the numbers, which are those of the other part.
-        explains=[f"INR009 link[{name}]" for name in _list_unexplained(model, wrong)],
+        count=len(wrong),
+        vast=f". For the mass of {join_names(vast)} it is more than {VAST:,.0f} times too large" if vast else "",
+        # INR009 would look for a mistake in numbers that are those of another part.
+        explains=[f"INR009 link[{name}]" for name in explained],
     )
-    yield replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in places)))
+    return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in places)))
+
+
+def _describe_repair(shared: str, original: _InertiaSignature, *, known: bool) -> str:
+    """Describe the repair: with the mass of another part, an inertia that is computed at it is as wrong."""
+    if shared == "inertia tensor" and known:
+        return "export the inertia again, or compute it from the drawn shape at the link's mass"
+    if shared == "inertia tensor":
+        return "export the inertias again, or compute them from the drawn shapes at the links' masses"
+    why = f"they are those of {original.declared.link.name}" if known else "at least one link has those of another part"
+    return f"export {shared.removesuffix(' tensor')} again: {why}"
 
 
 def _describe_equality(parts: Sequence[_InertiaSignature]) -> str:
@@ -178,11 +223,14 @@ def _describe_equality(parts: Sequence[_InertiaSignature]) -> str:
     return equal if len(signs) == 1 else f"{equal}, apart from the signs of products"
 
 
-def _list_unexplained(model: Model, parts: Sequence[_InertiaSignature]) -> list[str]:
-    """List the links of which the tensor alone disagrees with what they draw, and shows no mistake."""
-    diagnoses = inertial_diagnoses(model)
-    judged = [(name, diagnoses[name].diagnosis) for part in parts if (name := part.declared.link.name) in diagnoses]
-    return [name for name, diagnosis in judged if diagnosis.cause is None and diagnosis.com_mismatch <= NOTABLE]
+def _list_explained(parts: Sequence[_InertiaSignature], judged: Mapping[str, DiagnosedInertial]) -> list[str]:
+    """List the links of which the tensor alone disagrees with what they draw, and shows no mistake of its own for certain."""
+    known = [(name, judged[name].diagnosis) for part in parts if (name := part.declared.link.name) in judged]
+    return [
+        name
+        for name, diagnosis in known
+        if (diagnosis.cause is None or not diagnosis.unique) and diagnosis.com_mismatch <= NOTABLE
+    ]
 
 
 def _compute_signature(model: Model, declared: DeclaredTensor, *, is_tensor: bool = True) -> _InertiaSignature | None:

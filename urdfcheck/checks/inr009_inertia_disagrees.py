@@ -87,6 +87,8 @@ _TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
 # Mistakes about the tensor that are made where mass properties are read from a CAD program.
 _CAD_MISTAKES = frozenset({"about_origin", "positive_notation", "products_sign", "steiner_missing", "steiner_twice"})
 _DECIMAL_POINTS = frozenset({"decimal_point", "decimal_point_of_all"})
+# A part of an accessory that is lighter (kg, chosen) hardly moves the COM of the robot that carries it.
+_LIGHT = 0.2
 # A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
 _MOVED = 1e-3
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
@@ -100,6 +102,8 @@ _OTHER_UNIT = 100.0
 # A collision shape is not like what is drawn where a side of its box is off by more than this share of the drawing's size
 # (chosen).
 _UNLIKE = 0.25
+# One coordinate of a COM alone is off where it has this share of the distance.
+_ALONE = 0.999
 # A COM is outside its body beyond this share of the body's size, as for INR006.
 _OUTSIDE = 0.1
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
@@ -183,6 +187,8 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
     moments = {tensor.texts[place] for place in (0, 3, 5)}
     if cause == "rounded" and len(moments) == 1 and "e" in moments.pop().lower():
         return True  # one small number with an exponent, not decimals that were lost
+    if cause == "rounded" and _is_typed_like_others(model, tensor):
+        return True
     if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
         return True
     if _draws_other_link(model, tensor.link, judged):
@@ -266,7 +272,7 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
         return False
     if diagnosis.com_mismatch <= far and (is_rounded_uniform(model, tensor, judged) or is_placeholder(tensor, judged)):
         return False
-    if explain_collision_stand_in(model, tensor.link) == "unread" or has_loose_hull(model, tensor.link):
+    if explain_collision_stand_in(model, tensor.link) in {"unread", "wrong size"} or has_loose_hull(model, tensor.link):
         return False  # the shape of the part is not known
     if tensor.link.name in list_bolted_links(model) or _is_drawn_in_other_unit(model, tensor.link):
         return False
@@ -442,6 +448,8 @@ def _build_cause_finding(
     mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
     is_bolted = link.name in list_bolted_links(model)
     mild |= message != "exact" and is_bolted and not is_beyond_reach(model, float(np.linalg.norm(judged.declared.com)))
+    # An accessory, such as a camera, is a small part of the robot that carries it.
+    mild |= cause == "com_missing" and judged.declared.mass < _LIGHT and not any(j.is_movable for j in model.joints)
     mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
     return rule.finding(
         message,
@@ -519,16 +527,39 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
     is_sure = is_tiny(model, tensor.link, judged) or _has_own_tensor(model, tensor.link, judged)
     is_sure &= tensor.link.name not in list_bolted_links(model)
     rank = (None, None) if is_sure else (Severity.INFO, Confidence.HEURISTIC)
+    origin = tensor.inertial.origin
+    is_com_alone = judged.diagnosis.tensor_mismatch <= NOTABLE
+    wrong = [tensor.inertial.element if origin.element is None else origin.element] if is_com_alone else []
+    numbers = [attribute for element in wrong or [tensor.element] for attribute in element.attributes.values()]
+    name = "COM" if is_com_alone else "inertial"
+    is_computed = any(attribute.reads for attribute in numbers)
+    hint = _describe_lone_coordinate(model, tensor.link, judged) if is_com_alone else ""
     return rule.finding(
         "disagrees",
-        at=tensor.element,
+        at=wrong[0] if wrong else tensor.element,
+        repair=f"correct the {name} where the file computes it" if is_computed else f"export the {name} again",
         severity=rank[0],
         confidence=rank[1],
         comparison=format_comparison(drawn),
         unlike=describe_other_shape(model, tensor.link, judged),
-        hint=_POSSIBLE_TERM if _may_lack_term(model, tensor.link, judged) else "",
+        hint=hint or (_POSSIBLE_TERM if _may_lack_term(model, tensor.link, judged) else ""),
         **collect_message_data(model, tensor.link, judged),
     )
+
+
+def _describe_lone_coordinate(model: Model, link: Link, judged: DiagnosedInertial) -> str:
+    """Say which coordinate of a COM is off, if one alone is, and whether by half of what is drawn along an axis; else nothing."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return ""
+    off = np.abs(judged.declared.com - drawn.solid.com)
+    index = int(off.argmax())
+    if off[index] < _ALONE * float(np.linalg.norm(off)):
+        return ""
+    halves = np.ptp(drawn.points, axis=0) / 2
+    like = [axis for axis, half in zip("xyz", halves, strict=True) if abs(off[index] - half) <= _FACETS * half]
+    half = f", by half of what is drawn along {' and '.join(like)}" if like else ""
+    return f". Only the COM's {'xyz'[index]} is off{half}"
 
 
 def _may_lack_term(model: Model, link: Link, judged: DiagnosedInertial) -> bool:

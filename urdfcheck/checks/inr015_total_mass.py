@@ -12,6 +12,7 @@ from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.mesh_density import compute_mesh_density
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 
@@ -26,6 +27,8 @@ _OTHERS = 0.1
 _FEWEST_LINKS, _MANY_DIGITS = 4, 6
 # In one unit the heaviest link of a robot weighs up to so many times what the lightest does (chosen).
 _SPAN = 1e5
+# A density is 1 kg/m³ within this share, which rounding of masses leaves.
+_UNIT_DENSITY = 0.01
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -49,6 +52,10 @@ def check(
             yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):
         yield _build_same_finding(model, rule, total=total)
+    elif total < least and (measured := _count_unit_densities(model)):
+        yield rule.finding(
+            "volumes", at=model.name_location, robot=model.name, total=total, links=len(masses), measured=measured
+        )
     elif (total > most and not _is_light_for_its_size(model, total)) or (total < least and _has_most_masses(model)):
         # In tonnes too, a robot weighs a gram or more.
         light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
@@ -78,6 +85,17 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
     return (
         len(masses) >= _FEWEST_LINKS and len(set(masses)) == 1 and digits >= _MANY_DIGITS and len(drawn) == len(masses)
     )
+
+
+def _count_unit_densities(model: Model) -> int:
+    """Count the links of known volume, if all weigh 1 kg/m³ and not all are one part: nobody gave the exporter a density."""
+    measured = [
+        (one.mass, density)
+        for one in model.masses
+        if one.mass > 0 and (density := compute_mesh_density(model, one)) is not None
+    ]
+    is_unit = all(abs(density - 1.0) <= _UNIT_DENSITY for _, density in measured)
+    return len(measured) if is_unit and len({f"{mass:.3g}" for mass, _ in measured}) > 1 else 0
 
 
 def _name_unit(masses: Sequence[float], unit: str) -> str | None:

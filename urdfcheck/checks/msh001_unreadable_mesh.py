@@ -14,6 +14,7 @@ from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
 REPAIRS = {
     "html": "download the raw file, not the page that shows it",
+    "text": "name the mesh that is meant, or export the part as STL",
     "entities": "export the mesh again, or replace the entities by their text and delete the <!DOCTYPE",
     "no-triangles": "export the part as a surface of triangles",
     "missing-buffer": "put the file there under the name that the glTF file uses, or export the mesh as one .glb file",

@@ -13,17 +13,23 @@ _WHOLE = "export one part per link: {count} links draw one and the same body in 
 
 
 def check(model: Model, rule: Rule, *, triangles: int, slight: float) -> Iterator[Finding]:
-    for uses, facts in model.meshes.list_measured():
-        if uses[0].shape.role == "collision" and facts.n_triangles > triangles:
-            whole = find_repeated_drawings(model)
-            yield rule.finding(
-                "heavy",
-                at=uses[0].filename,
-                severity=Severity.INFO if facts.n_triangles < slight * triangles else None,
-                related=[use.filename for use in uses[1:] if use.shape.role == "collision"],
-                link=uses[0].link.name,
-                mesh=uses[0].filename.value,
-                triangles=facts.n_triangles,
-                limit=triangles,
-                advice=_WHOLE.format(count=len(whole)) if uses[0].link.name in whole else _FINE,
-            )
+    heavy = [
+        (uses, facts.n_triangles)
+        for uses, facts in model.meshes.list_measured()
+        if uses[0].shape.role == "collision" and facts.n_triangles > triangles
+    ]
+    whole = find_repeated_drawings(model) if heavy else frozenset()
+    # The meshes of one robot are one finding: a slight one beside others is one more of them.
+    is_slight = all(count < slight * triangles for _, count in heavy)
+    for uses, count in heavy:
+        yield rule.finding(
+            "heavy",
+            at=uses[0].filename,
+            severity=Severity.INFO if is_slight else None,
+            related=[use.filename for use in uses[1:] if use.shape.role == "collision"],
+            link=uses[0].link.name,
+            mesh=uses[0].filename.value,
+            triangles=count,
+            limit=triangles,
+            advice=_WHOLE.format(count=len(whole)) if uses[0].link.name in whole else _FINE,
+        )

@@ -143,4 +143,4 @@ def _format_pair_groups(found: LinkPairs) -> Iterator[str]:
     unknown = [pair for pair in checked if not pair.seen_colliding]
     yield f"    <!-- Still checked: {len(checked)} of {len(found.pairs)} pairs. -->"
     if unknown:
-        yield f"    <!-- {len(unknown)} of these because a collision shape of one of the links could not be read. -->"
+        yield f"    <!-- {len(unknown)} of these because a collision shape of one of the links could not be measured. -->"

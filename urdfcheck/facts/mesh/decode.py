@@ -33,6 +33,8 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
 
 
+# The characters of plain text.
+_TEXT = bytes([*range(9, 14), *range(32, 127)])
 _STL_HEADER = 84
 _STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _COMMENT = re.compile(rb"#[^\r\n]*")
@@ -132,6 +134,9 @@ def _decode_stl(data: bytes) -> RawMesh:
     text = data.rstrip(b"\0")
     if solid and b"\0" not in text:
         return _decode_ascii_stl(text)
+    if text.strip() and not solid and text[:512].translate(None, _TEXT) == b"":
+        begin = text.strip()[:40].splitlines()[0].decode()
+        raise MeshError("text", f"is text, but no STL file: it begins with {begin!r}")
     if len(data) < _STL_HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, while a binary STL's header alone has 84")
     present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize

@@ -15,7 +15,7 @@ MOST_NESTED = 256
 class MeshError(Exception):
     """A mesh file that gives no triangles. The message completes the sentence "the mesh …".
 
-    ``reason_id``: empty | lfs-pointer | html | unsupported | truncated | wrong-size | external-buffer | missing-buffer |
+    ``reason_id``: empty | lfs-pointer | html | text | unsupported | truncated | wrong-size | external-buffer | missing-buffer |
     malformed | incomplete | entities | encoding | archive | no-triangles | too-large | refused. ``assimp``: what Assimp does
     with the file, ``loads`` or ``refuses``; empty if it was not asked.
     """

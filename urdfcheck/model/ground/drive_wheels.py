@@ -14,6 +14,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_shape_corners
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.text.yaml.values import YamlValue
 
@@ -180,7 +181,7 @@ def _compute_wheel_middles(model: Model, joint: str, axis: Array) -> list[float]
 
 def _has_unread_mesh(model: Model, name: str) -> bool:
     link = model.link_by_name[name]
-    return any(s.kind == "mesh" and model.meshes.get_facts(s) is None for s in (*link.collisions, *link.visuals))
+    return any(s.kind == "mesh" and not is_usable_shape(model, s) for s in (*link.collisions, *link.visuals))
 
 
 def _place_link_points(model: Model, name: str) -> Iterator[Array]:

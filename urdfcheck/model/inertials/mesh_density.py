@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.parts import DeclaredMass
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 from urdfcheck.model.shapes.solids import measure_link_solid
 
 
@@ -24,7 +25,7 @@ def compute_mesh_density(model: Model, declared: DeclaredMass) -> float | None:
     """Return the mass over the volume of the drawn mesh, or else of the collision mesh, in kg/m³; None if it is not known."""
     link = declared.link
     for role, shapes in (("visual", link.visuals), ("collision", link.collisions)):
-        if any(shape.kind == "mesh" for shape in shapes):
+        if any(shape.kind == "mesh" for shape in shapes) and all(is_usable_shape(model, shape) for shape in shapes):
             solid = measure_link_solid(model, link, role)
             if solid is not None and solid.volume > 0:
                 return declared.mass / solid.volume

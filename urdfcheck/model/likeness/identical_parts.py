@@ -128,6 +128,8 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
         members = _GroupComparison(model, group, threshold)
         majority = members.find_majority()
         odd = [i for i in range(len(group)) if i not in majority]
+        # Two copies may agree with a third and not with each other: by the symmetry of a part, which is only found nearly.
+        odd = [i for i in odd if not any(members.do_agree(i, k) for k in majority)]
         if odd and len(odd) <= max(1, len(group) // 4):
             by = tuple(group[i].link for i in majority)
             odd_copies += [replace(members.expect_typed_numbers(i, majority[0]), by=by) for i in odd]
@@ -206,7 +208,11 @@ class _GroupComparison:
         # With masses a tenth apart, neither digits nor symmetry make them agree.
         alike = [math.isclose(copy.numbers.mass, mass, rel_tol=0.1) for copy in self._group]
         others = (i for i in range(len(self._group)) if i != index and alike[i])
-        return [index, *(i for i in others if self.compare_members(i, index).deviation.worst <= self._threshold)]
+        return [index, *(i for i in others if self.do_agree(i, index))]
+
+    def do_agree(self, index: int, by: int) -> bool:
+        """Whether one member has the inertial of another."""
+        return self.compare_members(index, by).deviation.worst <= self._threshold
 
     def compare_members(self, index: int, by: int) -> CopyComparison:
         """Compare the inertial of one member with what that of another says it should be."""

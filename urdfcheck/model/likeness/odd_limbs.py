@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
-from urdfcheck.model.likeness.origin_slips import is_taken_back
+from urdfcheck.model.likeness.origin_slips import is_of_other_kind, is_taken_back
 from urdfcheck.model.likeness.shape_comparison import is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
@@ -104,7 +104,7 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
             continue
         like = next(i for i in range(len(group)) if i not in odd)
         others = tuple(other for i, other in enumerate(group) if i != index)
-        if is_alike(model, group[index].child, group[like].child) is False:
+        if is_of_other_kind(group[index], others) or is_alike(model, group[index].child, group[like].child) is False:
             continue
         if attribute == "xyz" and is_taken_back(model, group[index], group[like]):
             continue

@@ -269,14 +269,27 @@ def iter_odd_signs(model: Model) -> Iterator[OddSign]:
             pair = next(
                 (p for p in mirror_pairs(model) if p.is_in_place and group[index].child in {p.one, p.other}), None
             )
-            if pair is None:
-                yield OddSign(group[index], (*group[:index], *group[index + 1 :]), False)
-            else:
+            others = (*group[:index], *group[index + 1 :])
+            if pair is None and not is_of_other_kind(group[index], others):
+                yield OddSign(group[index], others, False)
+            elif pair is not None:
                 yield from _find_unmirrored(model, group, index, pair)
         axes = [np.array(joint.axis or (0.0, 0.0, 0.0)) for joint in group]
         index = _find_odd(axes)
         if index is not None and _is_reversed(model, group, index, axes):
-            yield OddSign(group[index], (*group[:index], *group[index + 1 :]), True)
+            others = (*group[:index], *group[index + 1 :])
+            if not is_of_other_kind(group[index], others):
+                yield OddSign(group[index], others, True)
+
+
+def is_of_other_kind(joint: Joint, others: Sequence[Joint]) -> bool:
+    """Whether a joint is another thing than those like it: a text makes several of these and not this one, such as a macro for
+    another finger, or it hangs on another kind of link than they do."""
+    texts = [other.element.span for other in others]
+    if joint.element.span not in texts and len(set(texts)) < len(texts):
+        return True
+    parents = {_strip_place(other.parent) for other in others}
+    return len(parents) == 1 and _strip_place(joint.parent) not in parents
 
 
 def _find_unmirrored(model: Model, group: Sequence[Joint], index: int, pair: MirrorPair) -> Iterator[OddSign]:

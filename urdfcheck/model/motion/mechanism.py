@@ -25,7 +25,8 @@ from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
 from urdfcheck.model.rigid_bodies import compute_body_inertia, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.text.values import read_attribute_number
 
 # Published robots have up to a few hundred shapes that may touch the ground.

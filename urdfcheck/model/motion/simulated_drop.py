@@ -84,7 +84,7 @@ def _explain_refusal(robot: StandingRobot) -> Iterator[None]:
 def _add_drive(model: Model, test: DropTest) -> DropTest:
     """Drive a robot that stands."""
     if not test.knows_ground:
-        return replace(test, undriven=f"a shape of link {test.unread[0]!r} could not be read")
+        return replace(test, undriven=f"a shape of link {test.unread[0]!r} could not be measured")
     if test.free.burst is not None or test.held.burst is not None or test.held.has_tipped:
         return replace(test, undriven="it does not stand")
     try:

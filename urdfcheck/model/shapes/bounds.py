@@ -10,7 +10,7 @@ import numpy as np
 from urdfcheck.facts.mesh.topology import compute_bounds
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -63,7 +63,7 @@ def _compute_shape_box(
     turn, place = placed[:3, :3], placed[:3, 3]
     if shape.kind == "mesh":
         facts = model.meshes.get_facts(shape)
-        scale = compute_drawn_scale(model, shape) if apply_unit else size
+        scale = get_mesh_scale(model, shape, apply_unit)
         if facts is None or scale is None:
             return None
         turned = get_up_axis_rotation(facts, apply_up_axis)

@@ -16,7 +16,7 @@ import numpy as np
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import get_up_axis_rotation, is_dummy_shape
-from urdfcheck.model.shapes.solids import get_mesh_scale
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
 _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,8 +42,8 @@ def _measure_gap(model: Model, name: str, place: Array) -> float | None:
     here = frame[:3, :3].T @ (place - frame[:3, 3])
     gaps = []
     for shape in link.visuals:
-        facts, scale, pose = model.meshes.get_facts(shape), compute_drawn_scale(model, shape), shape.origin.matrix
+        facts, scale, pose = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True), shape.origin.matrix
         if facts is not None and scale is not None and pose is not None and len(facts.vertices):
-            vertices = facts.vertices * np.array(scale) @ pose[:3, :3].T + pose[:3, 3]
+            vertices = facts.vertices * scale @ pose[:3, :3].T + pose[:3, 3]
             gaps.append(float(np.sqrt(((vertices - here) ** 2).sum(axis=1).min())))
     return min(gaps, default=None)

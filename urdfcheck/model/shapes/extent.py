@@ -61,6 +61,8 @@ def _compute_shape_bottom(model: Model, shape: Shape, link_pose: Array) -> float
     """Compute the lowest z (m) of a shape in the frame in which its link is placed; None when it is not known."""
     import numpy as np
 
+    from urdfcheck.model.shapes.mesh_sizes import has_wrong_size
+
     pose, size = shape.origin.matrix, shape.size
     if pose is None or size is None:
         return None
@@ -68,7 +70,7 @@ def _compute_shape_bottom(model: Model, shape: Shape, link_pose: Array) -> float
     up, height = placed[2, :3], float(placed[2, 3])
     if shape.kind == "mesh":
         facts = model.meshes.get_facts(shape)
-        if facts is None or facts.unit not in {None, 1.0}:
+        if facts is None or facts.unit not in {None, 1.0} or has_wrong_size(model, shape):
             return None
         return height + float((facts.vertices * np.array(size) @ up).min())
     if shape.kind == "box":

@@ -13,7 +13,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.gazebo import PLUGIN_FRAME_TAGS, GazeboSensor, list_sensors
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.model.tree import Tree
 from urdfcheck.model.wheel_names import WHEEL_NAME
 from urdfcheck.source.text.values import parse_number, parse_numbers

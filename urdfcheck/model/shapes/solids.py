@@ -4,11 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
-
-from typing import TYPE_CHECKING
-
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
@@ -26,14 +21,6 @@ def compute_drawn_scale(model: Model, shape: Shape) -> tuple[float, float, float
         return None
     unit = 1.0 if facts.unit is None else facts.unit
     return scale[0] * unit, scale[1] * unit, scale[2] * unit
-
-
-def is_usable_shape(model: Model, shape: Shape) -> bool:
-    """Whether it is known where a shape is and what it looks like."""
-    size = compute_drawn_scale(model, shape) if shape.kind == "mesh" else shape.size
-    if size is None or shape.origin.matrix is None or shape.kind is None:
-        return False
-    return all(size) if shape.kind == "mesh" else min(size) > 0
 
 
 def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid | None:
@@ -75,12 +62,3 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
     }
     solid = makers[shape.kind or ""]()
     return inertia.transform_solid(solid, turn, place)
-
-
-def get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None:
-    """Return metres per file unit along a mesh's axes (3,), with or without COLLADA's unit; None for no readable mesh."""
-    import numpy as np
-
-    drawn = compute_drawn_scale(model, shape)
-    scale = drawn if apply_unit or drawn is None else shape.size
-    return None if scale is None or shape.kind != "mesh" else np.array(scale)

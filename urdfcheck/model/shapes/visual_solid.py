@@ -17,7 +17,8 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation, is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
-from urdfcheck.model.shapes.solids import get_mesh_scale, measure_shape_solid
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale, has_wrong_size
+from urdfcheck.model.shapes.solids import measure_shape_solid
 
 # A shape settles which way up a mesh is meant when its box is nearer to that of one way than to the other's by this ratio.
 _NEARER = 0.5
@@ -39,7 +40,7 @@ def measure_link_geometry(
     there is nothing, or a shape is not known. ``apply_unit`` and ``apply_up_axis``: whether COLLADA's ``<unit>`` and
     ``<up_axis>`` are followed; RViz follows the unit alone.
     """
-    drawn = _measure_role(model, link, "visual", apply_unit, apply_up_axis)
+    drawn = None if _draws_dummies(link) else _measure_role(model, link, "visual", apply_unit, apply_up_axis)
     if drawn is not None and drawn.closed:
         return drawn
     colliding = _measure_role(model, link, "collision", apply_unit, apply_up_axis)
@@ -47,9 +48,9 @@ def measure_link_geometry(
 
 
 def explain_collision_stand_in(model: Model, link: Link) -> str | None:
-    """Explain why `measure_link_geometry` returns the collision shapes of a link: ``open`` or ``unread`` visual meshes, or ``no
-    visual``. None where it returns the visual ones."""
-    visible = measure_role_geometry(model, link, "visual")
+    """Explain why `measure_link_geometry` returns the collision shapes of a link: visual meshes that are ``open``, ``unread`` or
+    of a ``wrong size``, or ``no visual``. None where it returns the visual ones."""
+    visible = None if _draws_dummies(link) else measure_role_geometry(model, link, "visual")
     if visible is not None and visible.closed:
         return None
     colliding = measure_role_geometry(model, link, "collision")
@@ -57,7 +58,14 @@ def explain_collision_stand_in(model: Model, link: Link) -> str | None:
         return None
     if visible is not None:
         return "open"
+    if any(has_wrong_size(model, shape) for shape in link.visuals):
+        return "wrong size"
     return "unread" if any(not is_dummy_shape(shape) for shape in link.visuals) else "no visual"
+
+
+def _draws_dummies(link: Link) -> bool:
+    """Whether a link draws nothing but dummies, and collides as a part."""
+    return all(map(is_dummy_shape, link.visuals)) and not all(map(is_dummy_shape, link.collisions))
 
 
 def describe_geometry_source(model: Model, link: Link) -> str:
@@ -189,7 +197,7 @@ def measure_shape_volume(model: Model, shape: Shape) -> float | None:
     """Measure the volume of a shape (m³), or of its convex hull where it is not closed; None when that is not known."""
     facts, scale = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True)
     if facts is None or scale is None:
-        solid = measure_shape_solid(model, shape)
+        solid = None if shape.kind == "mesh" else measure_shape_solid(model, shape)
         return None if solid is None else solid.volume
     return abs(float(scale.prod()) * (facts.volume if facts.closed else facts.hull.volume))
 

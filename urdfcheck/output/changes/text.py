@@ -26,7 +26,7 @@ from urdfcheck.output.shared.wording import format_place
 # How many changes, causes, lines of one side of a cause, notes, findings, and changes around the models are listed
 # unless all are asked for.
 MOST_CHANGES, MOST_CAUSES, MOST_LINES, MOST_NOTES, MOST_FINDINGS, MOST_SEAMS = 5, 2, 2, 1, 3, 3
-# How many effects of each kind are listed, and links of which a shape could not be read.
+# How many effects of each kind are listed, and links of which a shape could not be measured.
 MOST_EFFECTS = {"collision": 2, "inertia": 1, "stability": 2}
 MOST_UNREAD = 2
 # How many parts with one change, or models that change alike, are named.
@@ -129,7 +129,7 @@ def describe_unread(found: MechanismDiff) -> str:
     if found.collisions is None or not found.collisions.unread:
         return ""
     names = join_names([f"link {name}" for name in found.collisions.unread], MOST_UNREAD)
-    return f"not compared: {names}, of which a shape could not be read"
+    return f"not compared: {names}, of which a shape could not be measured"
 
 
 def describe_idle_edits(model: ModelDiff) -> str:

@@ -12,6 +12,7 @@ from urdfcheck.model.inertials.diagnosis.geometry_readings import list_massless_
 from urdfcheck.model.inertials.diagnosis.inertial_references import InertialReference
 from urdfcheck.model.parts import Joint, Link, Pose
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
 
 def compute_model_key(model: Model, numbers: Mapping[str, DeclaredInertial]) -> str:
@@ -44,7 +45,7 @@ def _hash_drawing(model: Model, links: Iterable[Link], others: Iterable[str]) ->
                 if use is None or use.resource.path is None
                 else model.meshes.compute_content_key(use.resource.path)
             )
-            read = model.meshes.get_facts(shape) is not None
+            read = shape.kind == "mesh" and get_mesh_scale(model, shape, True) is not None
             parts.append(f"{shape.role} {shape.kind} {shape.size} {_format_pose(shape.origin)} {key} {read}")
     return hashlib.sha256("\0".join(parts).encode()).hexdigest()[:32]
 

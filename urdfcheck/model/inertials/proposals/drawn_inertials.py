@@ -38,6 +38,12 @@ _GUESSED_DIGITS = 4
 _MOST_OF_PART = 0.5
 # Halves of a unit in the last typed place.
 _LAST_PLACE = 2.0
+# Why the collision shapes replace a visual mesh.
+_WHY_NOT_DRAWN = {
+    "open": "; the visual mesh is open",
+    "unread": "; the visual mesh could not be read",
+    "wrong size": "; the visual mesh has a wrong size",
+}
 
 
 def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False) -> str:
@@ -57,7 +63,7 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
         body = "the collision shape"
-        why = {"open": "; the visual mesh is open", "unread": "; the visual mesh could not be read"}.get(reason, "")
+        why = _WHY_NOT_DRAWN.get(reason, "")
     return f"{change.text}{describe_own_call(model, link, change)} ({body} at this mass and uniform density{why})"
 
 
@@ -123,8 +129,8 @@ def _list_changed(change: InertialRepair) -> list[str]:
 
 
 def _is_replaced_by_collision(model: Model, link: Link) -> bool:
-    """Whether the collision shapes replace a visual mesh that is open or could not be read."""
-    return explain_collision_stand_in(model, link) in {"open", "unread"}
+    """Whether the collision shapes replace a visual mesh."""
+    return explain_collision_stand_in(model, link) in _WHY_NOT_DRAWN
 
 
 def _is_collision_of_detail(model: Model, link: Link) -> bool:

@@ -28,7 +28,7 @@ _THICKER = 10.0
 # Points on a line have a smallest moment of 0; that of a rod ten times as long as thick is 1.5 % of the largest.
 _LINE = 1e-2
 # Why collision shapes replace a visual mesh in what is said to be drawn.
-_STANDS_IN = frozenset({"open", "unread"})
+_STANDS_IN = frozenset({"open", "unread", "wrong size"})
 # Three digits of a moment, as most are typed.
 _SAME_MOMENT = 5e-3
 

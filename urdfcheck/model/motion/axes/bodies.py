@@ -14,7 +14,8 @@ from urdfcheck.model.motion.collisions.setup import describe_joint, make_geometr
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:

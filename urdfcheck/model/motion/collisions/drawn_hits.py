@@ -11,7 +11,7 @@ from urdfcheck.model.motion.collisions.setup import make_colliders, make_geometr
 from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.solids import is_usable_shape
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 
 
 def is_drawn_apart(collisions: SelfCollisions, pair: CollisionPair) -> bool:

@@ -41,7 +41,7 @@ def find_hull_overlaps(model: Model, *, least: float) -> list[HullOverlap]:
     """
     setup = CollisionSetup.from_model(model)
     if setup.unusable_shapes:
-        raise FactUnavailableError(f"a shape of link {setup.unusable_shapes[0][0]!r} could not be read")
+        raise FactUnavailableError(f"a shape of link {setup.unusable_shapes[0][0]!r} could not be measured")
     if len(setup.links) < 2:
         return []
     hulls = make_colliders(list(_iter_hulls(setup)))

@@ -242,4 +242,4 @@ def ensure_all_shapes_read(collisions: SelfCollisions) -> None:
     """
     if collisions.skipped_shapes:
         names = list(dict.fromkeys(shape.element.subject.split("]")[0] + "]" for shape in collisions.skipped_shapes))
-        raise FactUnavailableError(f"collision shapes could not be read and were left out: {join_names(names)}")
+        raise FactUnavailableError(f"collision shapes could not be measured and were left out: {join_names(names)}")

@@ -26,7 +26,8 @@ from urdfcheck.model.motion.poses import JointConfigurations
 from urdfcheck.model.parts import Joint, Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS
-from urdfcheck.model.shapes.solids import compute_drawn_scale, is_usable_shape
+from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.system.installation import compute_code_version, describe_left_out, find_library_origin
 
 if TYPE_CHECKING:

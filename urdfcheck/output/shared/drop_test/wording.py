@@ -21,7 +21,7 @@ def describe_drop_setup(drop_test: DropTest) -> list[str]:
         ground = "no ground: no shape could touch it"
     sentences = [f"{drop_test.mass:.4g} kg{moving}, {root}; {ground}"]
     if drop_test.unread:
-        sentences.append(f"without the shapes that could not be read: {_join_names(drop_test.unread)}")
+        sentences.append(f"without the shapes that could not be measured: {_join_names(drop_test.unread)}")
     if drop_test.unlimited:
         sentences.append(f"held without limit, because the effort is 0 (JNT007): {_join_names(drop_test.unlimited)}")
     if drop_test.later is not None:

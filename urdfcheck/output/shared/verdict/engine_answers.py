@@ -67,5 +67,5 @@ def _describe_fall(drop: DropTest) -> str:
     else:
         end = "still moves" if release.settled is None else "comes to rest"
     names = join_names(drop.unread, _MOST_NAMED)
-    missing = f" (without the shapes of {names}, which could not be read)" if drop.unread else ""
+    missing = f" (without the shapes of {names}, which could not be measured)" if drop.unread else ""
     return f"{how} with its joints held, it {end}{missing}"
