@@ -29,7 +29,9 @@ REFUSED = "refuses to compile: mass and inertia of moving bodies must be larger 
 # What is left out where a tensor is converted once too often, as powers of ten, and the moments of a part with a motor in it, to
 # those of its uniform solid.
 _POWERS, _LIKE_TENSOR = (3, 6, 9), 2.0
-_IN_KILOGRAMS = "write the tensor in kg·m²; numbers in other units are to be converted once"
+_TOGETHER = (
+    "compute mass and tensor together, in kg and kg·m²; a link that only marks a place needs neither on a fixed joint"
+)
 
 
 def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: float) -> Iterator[Finding]:
@@ -68,7 +70,7 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
 
 def _explain_point(model: Model, body: RigidLinkGroup, link: Link) -> dict[str, Any]:
     """Return the data of what made the tensor of a body too small, where what its one link with a mass draws shows it."""
-    generic = {"cause": None, "repair": _IN_KILOGRAMS}
+    generic = {"cause": None, "repair": _TOGETHER}
     declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
     is_alone = sum(name in model.mass_by_name for name in body.links) == 1
     if declared is None or drawn is None or not drawn.closed or not drawn.solid.volume > 0.0 or not is_alone:
