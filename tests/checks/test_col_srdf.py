@@ -123,6 +123,17 @@ def test_links_of_the_file_that_includes_the_model_are_not_missed(tmp_path: Path
     assert not run.findings
 
 
+def test_pairs_of_another_file_or_variant_are_not_missed(tmp_path: Path) -> None:
+    """A description lacks a pair of links that it names; others may stand in the place of those that are gone."""
+    urdf = make_two_bars(fore="0.6 0.05 0.05")
+    for srdf, is_found in (
+        (pair("base", "upper"), True),
+        (pair("base", "palm"), False),
+        (pair("base", "upper") + pair("base", "palm"), True),
+    ):
+        assert bool(find_with_srdf(tmp_path, "COL004", srdf, urdf)) == is_found
+
+
 def test_a_pair_in_the_other_order_is_the_same_and_its_line_can_go(tmp_path: Path) -> None:
     (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("upper", "base", "User"))
     assert (finding.message_id, finding.severity) == ("duplicate", Severity.INFO)

@@ -121,6 +121,18 @@ def test_one_round_mass_of_all_links_is_no_load(tmp_path: Path, last: float, fou
     assert bool(find(tmp_path, make_robot_on_base(*parts), "DYN002")) == found
 
 
+@pytest.mark.parametrize(("tensor", "found"), [(1e-3, False), (2e-3, True)])
+def test_placeholders_are_no_load_whatever_tool_is_behind_them(tmp_path: Path, tensor: float, found: bool) -> None:
+    """The last links of an arm of placeholders carry a tool of its own masses."""
+    limit, parts, parent = 'lower="-1.6" upper="1.6" effort="5"', [], "base"
+    masses = {"a": (1.0, 1e-3), "b": (1.0, 1e-3), "c": (1.0, 1e-3), "d": (1.0, tensor), "tool": (0.7, 1e-3)}
+    for name, (mass, inertia) in masses.items():
+        parts.append(make_body(name, mass, "0 0 0.6", inertia))
+        parts.append(make_driven_joint(f"j{name}", parent, name, "revolute" if name == "d" else "fixed", limit=limit))
+        parent = name
+    assert bool(find(tmp_path, make_robot_on_base(*parts), "DYN002")) == found
+
+
 @pytest.mark.parametrize(("base", "found"), [("fixed", ["first", "second"]), ("floating", ["second"])])
 def test_a_robot_that_floats_lifts_its_lighter_side(tmp_path: Path, base: str, found: list[str]) -> None:
     """A chain of three equal parts behind the head: nothing holds the head while the first joint lifts two of them."""

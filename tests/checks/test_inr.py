@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from pathlib import Path
 
 import pytest
-from builders import arm_on_base, box, collision, find, inertial, joint, link, robot, visual
+from builders import arm_on_base, box, collision, find, inertial, joint, link, robot, sphere, visual
 from conftest import check, check_text
 
 from urdfcheck.core import Finding, Severity, Verdict
@@ -75,6 +76,8 @@ def test_a_robot_that_mujoco_simulates_from_a_model_of_its_own_needs_no_inertial
 
 def test_a_link_on_a_fixed_joint_needs_no_inertial(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm("", kind="fixed"), "INR001")
+    looped = '<gazebo><joint name="j" type="revolute"><parent>base</parent><child>tip</child></joint></gazebo>'
+    assert [bool(find(tmp_path, make_arm("", more=block), "INR001")) for block in ("", looped)] == [True, False]
 
 
 def test_a_moving_link_needs_none_when_what_is_fixed_to_it_has_one(tmp_path: Path) -> None:
@@ -571,6 +574,20 @@ def test_where_a_moving_body_is_lost(tmp_path: Path, body: str, message: str | N
 
 def test_a_body_is_judged_with_what_is_fixed_to_it(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm(inertial("1e-9"), more=fixed("cover", SOUND)), "INR012")
+
+
+@pytest.mark.parametrize(
+    ("mass", "radius", "cause"), [("0.001", 0.0005, "other_mass"), ("0.5", 0.05, "factor"), ("5", 0.02, None)]
+)
+def test_the_drawn_part_says_why_a_tensor_is_that_of_a_point(
+    tmp_path: Path, mass: str, radius: float, cause: str | None
+) -> None:
+    own = 1000.0 * 4 / 3 * math.pi * radius**3 if cause == "other_mass" else float(mass) * 1e-6
+    body = inertial(mass, repr(0.4 * own * radius**2)) + visual(sphere(radius))
+    (finding,) = find(tmp_path, make_arm(body), "INR012")
+    assert (finding.message_id, finding.cause and finding.cause.id) == ("point", cause)
+    assert finding.fix is not None
+    assert ("multiply the tensor by" in finding.fix.title) == (cause is not None)
 
 
 # -- INR013 ---------------------------------------------------------------------------------------------------------

@@ -200,6 +200,17 @@ def test_a_mesh_that_we_read_and_assimp_refuses_is_an_error(tmp_path: Path) -> N
     assert finding.fix.title.startswith("write the number of vectors as the count of each such <accessor>")
 
 
+def test_a_material_that_the_file_lacks_is_named(tmp_path: Path) -> None:
+    bound = (
+        '<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="m" target="#other"/>'
+        "</technique_common></bind_material></instance_geometry>"
+    )
+    finding = find_broken(tmp_path, "part.dae", collada(1.0, 1.0).replace('<instance_geometry url="#g"/>', bound))
+    assert "material #other not found" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title
+
+
 def test_an_accessor_that_counts_too_many_vectors_has_no_repair_by_a_number(tmp_path: Path) -> None:
     content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="5"')
     finding = find_broken(tmp_path, "part.dae", content)

@@ -28,6 +28,13 @@ def test_other_efforts_do_not_negate_symmetric_ranges(tmp_path: Path) -> None:
     assert "without efforts" in finding.consequences["moveit"]
 
 
+def test_the_limits_of_a_follower_are_not_those_of_the_driver(tmp_path: Path) -> None:
+    """A joint without effort is not driven: an exporter left it some play at both ends."""
+    sides = limit(0, 0.7, effort=1000), limit(-0.14, 0.84, effort=0)
+    with pytest.raises(ValueError, match="not enough values"):
+        find_limits(tmp_path, *sides)
+
+
 def test_other_velocities_slow_one_side(tmp_path: Path) -> None:
     finding = find_limits(tmp_path, limit(-1, 1, velocity=4), limit(-1, 1, velocity=2))
     assert "slower" in finding.consequences["moveit"]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, joint
+from builders import find, inertial, joint, link
 
 from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
@@ -104,6 +104,18 @@ def test_the_distance_of_the_centre_of_mass_from_the_axis_is_told(tmp_path: Path
 @pytest.mark.parametrize("rpy", ["0 0.001 0", f"0 {pi / 2} 0", f"0 {pi} 0"])
 def test_typing_errors_and_quarter_turns_are_choices(tmp_path: Path, rpy: str) -> None:
     assert not find(tmp_path, car(front_left=rpy), "SYM001")
+
+
+@pytest.mark.parametrize(("angle", "found"), [(0.12654, False), (0.0, True)])
+def test_an_angle_that_the_com_takes_back_is_a_choice(tmp_path: Path, angle: float, found: bool) -> None:
+    """Two fingers whose meshes are not known: the frame of one is rotated, and its COM may be where the mirror puts it."""
+    parts = ['<link name="palm"/>']
+    for name, y, rpy, turn in (("right", -0.02, "0 0 0", 0.0), ("left", 0.02, "0 0.12654 0", angle)):
+        x, z = 0.005 * cos(turn) - 0.018 * sin(turn), 0.005 * sin(turn) + 0.018 * cos(turn)
+        terms = {"ixx": 6e-7, "iyy": 6e-7, "izz": 1e-7}
+        parts.append(link(name, inertial(0.009, com=f"{x!r} 0 {z!r}", **terms)))
+        parts.append(make_joint_on_base(f"{name}_joint", name, f"0 {y} 0.04", rpy, "0 1 0", parent="palm"))
+    assert bool(find(tmp_path, f'<robot name="hand">{"".join(parts)}</robot>', "SYM001")) == found
 
 
 def test_two_odd_wheels_of_four_leave_nobody_to_blame(tmp_path: Path) -> None:

@@ -16,6 +16,7 @@ from urdfcheck.model.motion.moveit_pairs import (
 )
 from urdfcheck.model.motion.poses import get_sampling_range
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+from urdfcheck.source.ros.srdf import is_set_up_for_another
 
 # COL001 warns of overlaps that are deeper (m), but for poses in which a robot never is.
 _DEEP = 2e-3
@@ -23,18 +24,27 @@ _DEEP = 2e-3
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # A file without groups or pairs is a part that others include, or is still empty.
-    srdfs = [srdf for srdf in semantic_descriptions(model) if srdf.disabled_pairs or srdf.root.find_children("group")]
+    # One that was made for another file of this robot says nothing about the pairs of this one.
+    srdfs = [
+        srdf
+        for srdf in semantic_descriptions(model)
+        if (srdf.disabled_pairs or srdf.root.find_children("group")) and not is_set_up_for_another(srdf, model.source)
+    ]
     if not srdfs:
         return
     # Of several descriptions (with and without a gripper), the one for this robot covers the most of it.
     srdf = max(srdfs, key=lambda srdf: (len(srdf.grouped_links & model.link_by_name.keys()), len(srdf.disabled_pairs)))
     moved = find_moved_links(model, srdf)
+    # Links that it does not name are others than it was made for, where it names some that the model lacks.
+    is_of_variant = not srdf.named_links <= model.link_by_name.keys()
     always: list[tuple[SetupAssistantPair, float | None]] = []
     by_default: list[tuple[SetupAssistantPair, float | None]] = []
     for j in classify_link_pairs(model):
         is_always = j.is_always_for_moveit and _are_joints_moved(model, j.pair)
         meets = is_always or j.meets_at_default
         if not meets or moved.isdisjoint(j.pair.links) or any(s.is_pair_disabled(*j.pair.links) for s in srdfs):
+            continue
+        if is_of_variant and not srdf.named_links.issuperset(j.pair.links):
             continue
         depth = measure_default_depth(model, j.pair) if j.meets_at_default else None
         if not is_always and _overlaps_at_rest(j.pair):

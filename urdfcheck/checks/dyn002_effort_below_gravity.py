@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from collections.abc import Iterator
 
 import numpy as np
@@ -135,10 +136,18 @@ def _is_load_of_misplaced_coms(model: Model, load: Overload) -> bool:
 
 
 def _is_load_of_placeholders(model: Model, load: Overload) -> bool:
-    """Whether all links that a joint carries have one round mass, which no scale showed."""
-    inertials = [model.link_by_name[name].inertial for name in list_carried_links(model, load.joint)]
-    masses = [one.mass for one in inertials if one is not None and one.mass]
-    return len(masses) >= _PLACEHOLDER_LINKS and len(set(masses)) == 1 and is_round(masses[0])
+    """Whether most of the mass that a joint carries is in links that have one round mass, which no scale showed: many of the
+    robot's links have it, with one tensor, or all links that the joint carries."""
+    links = [model.link_by_name[name] for name in list_carried_links(model, load.joint)]
+    carried = Counter(link.inertial.mass for link in links if link.inertial is not None and link.inertial.mass)
+    if len(carried) == 1 and carried.total() >= _PLACEHOLDER_LINKS and is_round(*carried):
+        return True
+    typed = Counter((tensor.inertial.mass, tensor.components) for tensor in model.tensors)
+    placeholders = {
+        mass for (mass, _), count in typed.items() if count >= _PLACEHOLDER_LINKS and mass and is_round(mass)
+    }
+    held = sum(mass * count for mass, count in carried.items() if mass in placeholders)
+    return 2 * held > sum(mass * count for mass, count in carried.items())
 
 
 def _is_load_of_heavier_side(model: Model, load: Overload) -> bool:

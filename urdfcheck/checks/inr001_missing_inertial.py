@@ -53,6 +53,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if "bullet" in model.targets:
         yield from _check_assumed_masses(rule, moving, model)
     yield from _check_inferred_masses(rule, moving, model)
+    blocks = model.robot.find_children("gazebo")
+    added = {child.get("name").strip() for block in blocks for child in block.children if child.tag == "joint"}
     for body in moving:
         links = [model.link_by_name[name] for name in body.links]
         if any(link.inertial is not None for link in links):
@@ -63,6 +65,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue  # it may be meant to be fixed (KIN009)
         behind, heavy = _inspect_subtree(model, body)
         message = "missing" if any(link.visuals or link.collisions for link in links) else "frame"
+        if message == "frame" and joint.name in added:
+            continue  # Gazebo has this joint from the block, between the links that are meant
         yield rule.finding(
             message,
             at=head,

@@ -205,12 +205,16 @@ def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
 def _check_too_light(
     model: Model, rule: Rule, body: RigidLinkGroup, *, least: float, thinnest: float
 ) -> Iterator[Finding]:
-    """Report a body that is lighter than air as a whole, because how its links share the mass is arbitrary."""
-    links = [model.link_by_name[name] for name in body.links]
+    """Report a body that is lighter than air as a whole, because how its links share the mass is arbitrary.
+
+    Links without a mass do not count: a table that an arm is bolted to says nothing about the arm.
+    """
+    weighed = {declared.link.name for declared in model.masses if declared.mass > 0.0}
+    links = [model.link_by_name[name] for name in body.links if name in weighed]
     mass, volume = compute_body_mass(model, body.links), measure_links_volume(model, links)
     if mass is None or volume is None or not 0.0 < mass < least * volume or has_unit_ambiguity(model, body.links):
         return
-    points = collect_body_corners(model, body.links)
+    points = collect_body_corners(model, [link.name for link in links])
     area = 0.0 if points is None else _PaddedHull.from_points(points, 0.0).area
     if not mass < thinnest * area < math.inf:
         return
@@ -218,8 +222,7 @@ def _check_too_light(
         return  # INR012
     if points is not None and _is_room(model, measure_extent(points), density=mass / volume):
         return
-    masses = [model.mass_by_name[name] for name in body.links if name in model.mass_by_name]
-    heaviest = max(masses, key=lambda declared: declared.mass)
+    heaviest = max((model.mass_by_name[link.name] for link in links), key=lambda declared: declared.mass)
     slip = _guess_mass_unit(mass, volume)
     yield rule.finding(
         "light",
@@ -228,7 +231,7 @@ def _check_too_light(
         mass=mass,
         volume=float(f"{volume * 1e6:.3g}"),
         sheet=float(f"{mass / area * 1e3:.2g}"),
-        around="" if len(links) == 1 else " (with the links fixed to it)",
+        around="" if len(links) == 1 else " (with the links fixed to it that have a mass)",
         density=describe_density(mass / volume),
         repair=_describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit", is_light=True),
         **slip,

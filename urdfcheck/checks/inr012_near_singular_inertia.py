@@ -6,16 +6,32 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from urdfcheck.core import Finding, Rule
+from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
-from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
+from urdfcheck.facts.inertials.inertia_tensor import (
+    compute_principal_moments,
+    compute_solid_inertia,
+    compute_triangle_excess,
+)
+from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
-from urdfcheck.model import Model
+from urdfcheck.model import Link, Model
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_whole_bodies
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # MuJoCo's mjMINVAL, in kg and kg m², and its error message.
 LEAST = 1e-15
 REFUSED = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
+# What is left out where a tensor is converted once too often, as powers of ten, and the moments of a part with a motor in it, to
+# those of its uniform solid.
+_POWERS, _LIKE_TENSOR = (3, 6, 9), 2.0
+_TOGETHER = (
+    "compute mass and tensor together, in kg and kg·m²; a link that only marks a place needs neither on a fixed joint"
+)
 
 
 def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: float) -> Iterator[Finding]:
@@ -43,15 +59,34 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
         elif not (largest > 0 and smallest > 1e-9 * largest and compute_triangle_excess(tensor) >= -1e-9):
             continue  # INR003, INR004
         elif math.sqrt(largest / total) < gyration:
-            radius = math.sqrt(largest / total) * 1e6
-            yield rule.finding(
-                "point", at=declared_tensor, cause="unit", consequences=consequences, radius=radius, **data
-            )
+            data |= {"radius": math.sqrt(largest / total) * 1e6, **_explain_point(model, body, heaviest.link)}
+            yield rule.finding("point", at=declared_tensor, consequences=consequences, **data)
         elif smallest < condition * largest:
             consequences = {} if consequences["mujoco"] == "loads it" else consequences
             yield rule.finding(
                 "condition", at=declared_tensor, consequences=consequences, ratio=smallest / largest, **data
             )
+
+
+def _explain_point(model: Model, body: RigidLinkGroup, link: Link) -> dict[str, Any]:
+    """Return the data of what made the tensor of a body too small, where what its one link with a mass draws shows it."""
+    generic = {"cause": None, "repair": _TOGETHER}
+    declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
+    is_alone = sum(name in model.mass_by_name for name in body.links) == 1
+    if declared is None or drawn is None or not drawn.closed or not drawn.solid.volume > 0.0 or not is_alone:
+        return generic
+    # What the tensor says that the mass is, three times.
+    masses = np.linalg.eigvalsh(declared.inertia) / np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, 1.0))
+    mass = float(np.median(masses))
+    if is_part_density(declared.mass / drawn.solid.volume):
+        power = round(math.log10(declared.mass / mass))
+        if power in _POWERS and np.abs(np.log(masses * 10.0**power / declared.mass)).max() < math.log(_LIKE_TENSOR):
+            return {"cause": "factor", "factor": f"{10.0**power:.0e}", "repair": f"multiply the tensor by 1e{power}"}
+    elif is_part_density(mass / drawn.solid.volume) and np.abs(masses / mass - 1.0).max() < EXACT:
+        times = f"{declared.mass / mass:.4g}"
+        repair = f"multiply the tensor by {times}: then it is that of {declared.mass:.3g} kg, as typed"
+        return {"cause": "other_mass", "own": f"{mass:.3g}", "repair": repair}
+    return generic
 
 
 def _predict_mujoco(model: Model, body: RigidLinkGroup, *, mass: float, smallest: float) -> str:

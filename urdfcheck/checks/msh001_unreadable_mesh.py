@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -22,6 +23,10 @@ REPAIRS = {
 COUNT_REPAIR = (
     "write the number of vectors as the count of each such <accessor>, or export the mesh with another program"
 )
+MATERIAL_REPAIR = (
+    "write the id of a <material> of the file as the target of each <instance_material> that names another one, "
+    "or export the mesh with its materials"
+)
 DEFAULT_REPAIR = "export or download the file again"
 # Files that no program can load as a mesh.
 NO_MESH = frozenset({"empty", "html"})
@@ -30,7 +35,8 @@ REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
 # Formats for which programs have their own loaders, which may read files that ours and Assimp refuse. MuJoCo's loader for STL is
 # not among them: like ours it only reads binary files of exactly the declared size.
 OWN_LOADERS = {"mujoco": frozenset({"obj"}), "drake": frozenset({"obj", "gltf"}), "rviz": frozenset({"stl"})}
-# pycollada's words about a texture whose image the file does not declare.
+# pycollada's words about a material that the file does not have, and about a texture whose image the file does not declare.
+_MISSING_MATERIAL = re.compile(r"material #\S* not found")
 _MISSING_IMAGE = "missing image"
 NOT_TRIED = "uses its own loader for this format, which was not tried"
 # Older versions of Assimp read beyond the array in this case, without a message.
@@ -75,9 +81,15 @@ def _build_finding(
         consequences=_describe_consequences(rule, uses, message, reason_id),
         mesh=uses[0].filename.value,
         reason=reason,
-        repair=COUNT_REPAIR if NOT_VECTORS in reason else REPAIRS.get(reason_id, DEFAULT_REPAIR),
+        repair=_describe_repair(reason, reason_id),
         reason_id=reason_id,
     )
+
+
+def _describe_repair(reason: str, reason_id: str) -> str:
+    if NOT_VECTORS in reason:
+        return COUNT_REPAIR
+    return MATERIAL_REPAIR if _MISSING_MATERIAL.search(reason) else REPAIRS.get(reason_id, DEFAULT_REPAIR)
 
 
 def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str, reason_id: str) -> dict[str, str]:

@@ -132,6 +132,8 @@ def find_mismatched_limit(
     joints = find_pair_joints(model, pair)
     if joints is None or joints[0].limit is None or joints[1].limit is None:
         return None
+    if len({joint.get_limit_value("effort") == 0.0 for joint in joints}) > 1:
+        return None  # one is driven, and the other one follows it
     if not _compute_expected_limit(model, pair, known_pairs, joints=joints, threshold=threshold):
         return None
     like = [_list_agreeing_joints(model, pair, joint) for joint in joints]

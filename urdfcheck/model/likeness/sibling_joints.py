@@ -25,6 +25,8 @@ if TYPE_CHECKING:
 
 # The mass of a body of revolution lies about its axis to within this share of its second moments.
 _ROUND = 1e-3
+# Two COMs are in one place within this share of their distance from the joint's axis: 0.6°.
+_SAME_COM = 0.01
 # Axes have the same numbers to within those of three digits.
 _SAME_AXIS = 2e-3
 
@@ -111,16 +113,18 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
     """Whether the part behind a joint is drawn where it would be if the joint's frame had the rotation ``expected`` (3, 3), in
     root coordinates: only the frame is rotated, and what is in it takes that back.
 
-    ``like`` is a joint of the pattern that ``expected`` follows. Where on its axis a joint's frame lies is a choice. False where
-    the part looks the same either way, and where it is not known.
+    ``like`` is a joint of the pattern that ``expected`` follows. Where on its axis a joint's frame lies is a choice. The COMs
+    decide where the drawings are not known. False where the part looks the same either way, and where neither is known.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     one, other = get_outline(model, like.child), get_outline(model, joint.child)
-    if one is None or other is None or joint.axis is None:
+    if joint.axis is None:
         return False
     axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
     back = model.frames[joint.child][:3, :3].T @ expected
+    if one is None or other is None:
+        return _is_com_in_place(model, joint, like, axis=axis, back=back)
 
     def measure_best(turn: Array) -> float:
         best = math.inf
@@ -132,6 +136,24 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
 
     in_place = measure_best(back)
     return in_place < ALIKE and in_place < measure_best(np.eye(3)) / 2.0
+
+
+def _is_com_in_place(model: Model, joint: Joint, like: Joint, *, axis: Array, back: Array) -> bool:
+    """Whether the COM behind a joint is where it would be if the rotation ``back`` (3, 3) of the joint's frame were undone.
+
+    ``axis`` is that of the joint (3,).
+    """
+    one, other = (read_declared_inertial(model.link_by_name[name]) for name in (like.child, joint.child))
+    if one is None or other is None:
+        return False
+    lever = float(np.linalg.norm(np.cross(axis, other.com)))
+
+    def measure_best(turn: Array) -> float:
+        offsets = (other.com - turn @ renaming @ one.com for renaming in _list_axis_renamings())
+        return min(float(np.linalg.norm(np.cross(axis, offset))) for offset in offsets)
+
+    in_place = measure_best(back)
+    return in_place < _SAME_COM * lever and in_place < measure_best(np.eye(3)) / 2.0
 
 
 def is_drawn_square(model: Model, joint: Joint, expected: Array) -> bool:

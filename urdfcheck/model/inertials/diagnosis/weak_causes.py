@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 # A mistake of the tensor leaves less than this share of the difference from the drawn part's.
 _LEFT = 0.5
+# A turn of one link, one of many turns, leaves less than this share of the distance from where the COM is drawn, where this is
+# more than some radii of gyration.
+_LEFT_BY_TURN, _AWAY = 0.25, 0.1
 # Causes that take what is drawn apart: collision shapes are not the pieces that a CAD program added.
 _OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})
 # A mass and a tensor with so many digits each were computed together: nobody typed one of them later. What is not drawn, or a
@@ -52,6 +55,8 @@ def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Di
         return True  # the mass is the wrong number, and some unit brings a tensor near that of any mass
     if diagnosis.cause in _OF_PIECES and explain_collision_stand_in(model, link) is not None:
         return True
+    if diagnosis.cause == "quarter_turn" and not diagnosis.unique and diagnosis.com_mismatch > _AWAY:
+        return diagnosis.mended_com_mismatch > _LEFT_BY_TURN * diagnosis.com_mismatch
     mended = diagnosis.mended
     if diagnosis.cause == "other_mass" and _is_of_one_export(declared, drawn):
         return True
