@@ -102,7 +102,7 @@ def _collect_read_joints(model: Model) -> set[str]:
 
 
 def _collect_commanded_joints(model: Model) -> set[str]:
-    """Collect the joints that have a transmission or a command interface, or that a plugin names; none if only plugins name any."""
+    """Collect the joints with a transmission or a command interface, or in a plugin; none where only plugins name any."""
     controlled = (j for control in model.robot.find_children("ros2_control") for j in control.find_children("joint"))
     commanded = {joint.get("name") for joint in controlled if joint.find_child("command_interface") is not None}
     transmissions = model.robot.find_children("transmission")

@@ -45,7 +45,7 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
 
 
 def _stays_within(model: Model, joint: Joint, lower: float, upper: float) -> bool:
-    """Whether ``<mimic>`` moves a joint over a part of its limits only, as its leader's range shows: no program stops it there."""
+    """Whether ``<mimic>`` moves a joint only within its limits, as its leader's range shows: no program stops it there."""
     leader = None if joint.mimic is None else model.joint_by_name.get(joint.mimic.get("joint"))
     span, coefficients = None if leader is None else leader.position_range, joint.mimic_coefficients
     if span is None or coefficients is None:
