@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import PRESERVE, names_fixed_part
+from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
@@ -48,6 +49,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 severity=Severity.INFO,
                 reference=name,
                 kind=optional.tag,
+                content=_join_child_tags(uses),
+            )
+        elif _is_of_sibling(model, name, uses):
+            yield rule.finding(
+                "shared",
+                at=uses[0],
+                related=uses[1:],
+                severity=Severity.INFO,
+                reference=name,
                 content=_join_child_tags(uses),
             )
         elif not UNFILLED.search(name):
@@ -99,6 +109,15 @@ def _find_optional_part(model: Model, name: str) -> Element | None:
     trees = read_included_trees(model.source.path, model.source.finder)
     elements = (element for tree, _ in trees for element in tree.walk())
     return next((e for e in elements if e.tag in {"link", "joint"} and e.get("name") == name), None)
+
+
+def _is_of_sibling(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
+    """Whether all blocks are in files that the model includes, and another file of the package has the link or joint: the blocks
+    are for several robots."""
+    typed = {None if use.span is None else use.span.file for use in uses}
+    return model.source.name not in typed and any(
+        package_names(model).is_spelled_elsewhere(kind, name) for kind in ("link", "joint")
+    )
 
 
 def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
