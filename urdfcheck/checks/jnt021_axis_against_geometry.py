@@ -31,9 +31,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found = find_contradicted_axes(model)
     mismatches, blocked, apart = found.bearings, found.sides, found.apart
     # One joint is off by mistake. What several joints show is how the robot is drawn.
-    if len(mismatches) == 1 and not _is_drawn_in_two_ways(model, mismatches[0].joint):
-        if mismatches[0].kind != "beside" or not any(_list_twins(model, mismatches[0].joint)):
-            yield _report_bearing(model, rule, mismatches[0])
+    if len(mismatches) == 1 and not _is_bearing_drawn(model, mismatches[0]):
+        yield _report_bearing(model, rule, mismatches[0])
     sunken = [one for one in found.sunken if not _is_side_drawn(model, one.joint)]
     if len(found.sunken) == 1 and sunken:
         yield _report_sunken(model, rule, sunken[0])
@@ -41,6 +40,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield _report_side(model, rule, blocked[0])
     if apart is not None and not (do_collisions_touch(model, apart) or _is_drawn_in_two_ways(model, apart.joint)):
         yield _report_apart(model, rule, apart)
+
+
+def _is_bearing_drawn(model: Model, found: BearingMismatch) -> bool:
+    """Whether the parts explain why a bearing is not about the axis: the origin has not slipped."""
+    has_twin = found.kind == "beside" and bool(_list_twins(model, found.joint))
+    return has_twin or _is_drawn_in_two_ways(model, found.joint)
 
 
 def _is_side_drawn(model: Model, name: str) -> bool:
