@@ -112,12 +112,11 @@ def _find_optional_part(model: Model, name: str) -> Element | None:
 
 
 def _is_of_sibling(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
-    """Whether all blocks are in files that the model includes, and another file of the package has the link or joint: the blocks
-    are for several robots."""
+    """Whether all blocks are in files that the model includes, or of which xacro made it, and another file of the package has
+    the link or joint: the blocks are for several robots."""
     typed = {None if use.span is None else use.span.file for use in uses}
-    return model.source.name not in typed and any(
-        package_names(model).is_spelled_elsewhere(kind, name) for kind in ("link", "joint")
-    )
+    is_included = model.source.is_output_of_xacro or model.source.name not in typed
+    return is_included and any(package_names(model).is_spelled_elsewhere(kind, name) for kind in ("link", "joint"))
 
 
 def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
