@@ -30,7 +30,9 @@ _SUFFIXES = ("_link", "_joint")
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = {*model.link_by_name, *model.joint_by_name}
     unknown: dict[str, list[Attribute]] = {}
-    references = [e.attributes["reference"] for e in model.robot.find_children("gazebo") if e.get("reference")]
+    # An empty block sets nothing, whatever it names.
+    blocks = [e for e in model.robot.find_children("gazebo") if e.get("reference") and e.children]
+    references = [block.attributes["reference"] for block in blocks]
     for reference in references:
         if reference.value not in known:
             unknown.setdefault(reference.value, []).append(reference)
@@ -135,4 +137,4 @@ def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
 
 def _join_child_tags(uses: list[Attribute]) -> str:
     """Join the names of the settings in the blocks."""
-    return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children)) or "content"
+    return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children))
