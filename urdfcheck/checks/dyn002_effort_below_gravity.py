@@ -52,7 +52,6 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
             or _is_load_of_misplaced_coms(model, load)
             or _is_load_of_placeholders(model, load)
             or _is_load_of_heavier_side(model, load)
-            or _is_load_of_impossible_masses(model, load)
         ):
             continue
         effort = load.joint.get_limit_value("effort") or 0.0
@@ -64,7 +63,11 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
         worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))
         times = worst_first[0].torque / effort
         afloat = find_submersible_name(model) if times < buoyant else None
-        is_placeholder = _is_placeholder(model, effort) and (times > far or effort == _EXPORTED_EFFORT)
+        is_placeholder = (
+            _is_placeholder(model, effort)
+            and (times > far or effort == _EXPORTED_EFFORT)
+            and not _is_load_of_impossible_masses(model, worst_first[0])
+        )
         message = "placeholder" if is_placeholder else "weak" if times <= far else "far"
         most = max(load.count for load in loads)
         # A robot that cannot hold half of its poses may have wrong masses, whatever its limits.
@@ -108,7 +111,7 @@ def _are_masses_plausible(model: Model, joint: Joint) -> bool:
 
 
 def _is_load_of_impossible_masses(model: Model, load: Overload) -> bool:
-    """Whether most of the mass that a joint carries is in links denser than steel: INR010 and INR015 report these."""
+    """Whether most of the mass that a joint carries is in links denser than steel: then the torque says nothing of the limit."""
     dense = 0.0
     for name in list_carried_links(model, load.joint):
         link = model.link_by_name[name]
