@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
+from conftest import check
 
 from urdfcheck.model.motion.axes.apart import do_collisions_touch
 from urdfcheck.model.motion.axes.contradicted import find_contradicted_axes
@@ -60,6 +61,18 @@ def test_a_mesh_that_is_shifted_at_two_joints_is_not_the_fault_of_one(tmp_path: 
     )
     model = make_model(tmp_path, place_tubes("0 0 0.1", bore), second, place_tubes("0 0 0"))
     assert [m.joint for m in find_contradicted_axes(model).bearings] == (["j"] if found else [])
+
+
+@pytest.mark.parametrize(("place", "reported"), [("0.012 -0.2 0.1", False), ("0.012 -0.21 0.1", True)])
+def test_an_origin_like_that_of_the_other_side_has_not_slipped(tmp_path: Path, place: str, reported: bool) -> None:
+    """The second joint is on the other side and moves a part that draws nothing."""
+    second = (
+        f'<origin xyz="0.012 0.2 0.1"/><axis xyz="0 0 1"/>{_LIMIT}</joint><link name="rod"/>'
+        f'<joint name="k" type="revolute"><parent link="base"/><child link="rod"/><origin xyz="{place}"/><axis xyz="0 0 1"/>'
+    )
+    model = make_model(tmp_path, place_tubes("0 0.2 0.1"), second, place_tubes("0 0 0"))
+    assert [m.kind for m in find_contradicted_axes(model).bearings] == ["beside"]
+    assert bool(check(tmp_path / "r.urdf", codes={"JNT021"}).findings) is reported
 
 
 @pytest.mark.parametrize(("distance", "found"), [(0.012, True), (0.03, False)])

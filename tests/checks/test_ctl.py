@@ -281,6 +281,18 @@ def test_a_file_that_the_robot_names_is_there(tmp_path: Path) -> None:
     assert "no controller manager starts" in finding.consequences["gazebo"]
 
 
+def test_a_plain_urdf_may_get_its_path_as_typed(tmp_path: Path) -> None:
+    body = PLUGIN.format("$(find cart)/c.yaml")
+    (finding,) = find_in_cart(tmp_path / "a", "", body)
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("/a/cart/config/c.yaml has this name), or add the file")
+    launch = "from launch.substitutions import Command\nCommand(['xacro ', 'cart.urdf'])\n"
+    for name, files, is_bare in (("b", {}, True), ("c", {"launch/cart.launch.py": launch}, False)):
+        folder = package(tmp_path / name, {"urdf/cart.urdf": make_cart(body), **files})
+        (finding,) = check(folder, codes={"CTL004"}).findings
+        assert ("as it is typed" in finding.message) is is_bare
+
+
 def test_a_file_that_the_robot_names_is_yaml(tmp_path: Path) -> None:
     (finding,) = find_in_cart(tmp_path, "a:\n\tb: 1\n", NAMED)
     assert finding.message_id == "broken"

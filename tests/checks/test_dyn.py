@@ -273,6 +273,20 @@ def test_one_power_of_ten_at_all_joints_is_a_placeholder(
     assert ("masses" in finding.fix.title) == (message == "far")
 
 
+def test_impossible_masses_say_nothing_of_a_placeholder(tmp_path: Path) -> None:
+    others = [
+        make_body(f"f{i}", 1e-6)
+        + make_driven_joint(f"j{i}", "base", f"f{i}", limit='lower="-1" upper="1" effort="0.01"')
+        for i in range(2)
+    ]
+    head, arm, rest = make_pendulum(0.01, "", *others).partition('<link name="arm">')
+    drawn = '<visual><origin xyz="0 0 0.5"/><geometry><box size="0.01 0.01 0.01"/></geometry></visual></link>'
+    (finding,) = find(tmp_path, head + arm + rest.replace("</link>", drawn, 1), "DYN002")
+    assert finding.message_id == "far"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("check the masses")
+
+
 def test_an_exporters_effort_is_one_finding_at_any_load(tmp_path: Path) -> None:
     lift = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
     slide = (

@@ -47,6 +47,7 @@ def test_references_that_a_script_has_not_filled_in_are_one_finding(tmp_path: Pa
         ("libgazebo_ros2_control.so", "gz_ros2_control"),
         ("libgazebo_ros_depth_camera.so", "gz-sim-sensors-system"),
         ("libhector_gazebo_ros_imu.so", "gz-sim-imu-system"),
+        ("libgazebo_ros_ackerman.so", "gz-sim-ackermann-steering-system"),
         ("gz-sim-imu-system", None),
         ("ignition-gazebo-imu-system", None),
         ("libgz_ros2_control-system.so", None),

@@ -149,6 +149,28 @@ def test_a_locked_joint_may_keep_a_link_for_a_plugin(tmp_path: Path, named: str,
     assert ('<gazebo reference="j"><preserveFixedJoint>true' in finding.fix.title) is kept
 
 
+def test_a_link_that_the_file_keeps_already_needs_no_second_element(tmp_path: Path) -> None:
+    plugin = '<gazebo><plugin name="p" filename="libimu.so"><linkName>b</linkName></plugin></gazebo>'
+    keep = '<gazebo reference="j"><disableFixedJointLumping>true</disableFixedJointLumping></gazebo>'
+    text = make_three_links(make_joint('<limit lower="0" upper="0" effort="1" velocity="1"/>'), plugin, keep)
+    (finding,) = find(tmp_path, text, "JNT005")
+    assert finding.severity == Severity.INFO
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("or make the joint fixed")
+
+
+def test_a_hinge_without_a_motor_beside_others_has_no_data_sheet(tmp_path: Path) -> None:
+    limit = '<limit lower="-1" upper="1" effort="10" velocity="100000"/>'
+    joints = make_joint(limit), make_joint(limit, name="k", child="c")
+    motor = (
+        '<ros2_control name="s" type="system"><joint name="k"><command_interface name="effort"/></joint></ros2_control>'
+    )
+    (finding,) = find(tmp_path, make_three_links(*joints, motor), "JNT007")
+    assert finding.subjects == ("joint[k]/limit@velocity",)
+    (finding,) = find(tmp_path, make_three_links(*joints), "JNT007")
+    assert len(finding.subjects) == 2
+
+
 @pytest.mark.parametrize("code", ["JNT005", "JNT007"])
 def test_a_limit_that_a_macro_makes_twice_is_one_place(tmp_path: Path, code: str) -> None:
     made = make_joint('<limit lower="0" upper="0" effort="0" velocity="1"/>', name="${n}", child="${c}")

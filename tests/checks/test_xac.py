@@ -979,7 +979,8 @@ def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path)
 def test_what_a_robot_lacks_is_not_reported_while_a_call_makes_no_part(tmp_path: Path) -> None:
     transmission = (
         '<transmission name="t"><type>transmission_interface/SimpleTransmission</type><joint name="a_joint"><hardwareInterface>'
-        'PositionJointInterface</hardwareInterface></joint><actuator name="m"/></transmission><gazebo reference="a"/>'
+        'PositionJointInterface</hardwareInterface></joint><actuator name="m"/></transmission>'
+        '<gazebo reference="a"><mu1>1</mu1></gazebo>'
     )
     arm = (
         '<xacro:macro name="arm" params="n"><link name="${n}"/><joint name="${n}_joint" type="fixed"><parent link="base"/>'

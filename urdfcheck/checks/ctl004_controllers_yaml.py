@@ -25,13 +25,16 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.yaml.values import YamlValue
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
+_BARE = "; and no launch file here is seen to run xacro on this .urdf: without it the plugin gets `$(find …)` as it is typed"
 OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tricycle_controller/TricycleController"})
 
 
@@ -72,7 +75,19 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
             broken = Location("yaml", problem.span)
             yield rule.finding("broken", at=broken, related=[parameters.element], reason=str(problem))
         if parameters.missing:
-            yield rule.finding("missing", at=parameters.element, path=parameters.text)
+            like = [
+                format_path(path)
+                for path in find_files_elsewhere(parameters.text, model.source.path, model.source.finder)
+            ]
+            is_bare = _is_read_as_it_is(model)
+            yield rule.finding(
+                "missing",
+                at=parameters.element,
+                path=parameters.text,
+                bare=_BARE if is_bare else "",
+                near=f" ({join_names(like, 2)} {'has' if len(like) == 1 else 'have'} this name)" if like else "",
+                also="; and let the launch file run xacro on this file" if is_bare else "",
+            )
         elif parameters.literal and parameters.text.startswith("/"):
             portable = _find_portable_path(model, parameters)
             package, below = ("package", "config/…") if portable is None else portable
@@ -89,6 +104,13 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 path=parameters.text,
                 found=f" (here {shown})" if parameters.path is not None else "",
             )
+
+
+def _is_read_as_it_is(model: Model) -> bool:
+    """Whether a file is not named as a xacro, and no launch file around it names it and xacro: nothing expands `$(find …)`."""
+    from urdfcheck.source.launch.model_launches import may_run_xacro  # few robots name a file that is missing
+
+    return not is_xacro(model.source.path) and not may_run_xacro(model.source.path, model.source.finder)
 
 
 def _describe_how(model: Model) -> str:

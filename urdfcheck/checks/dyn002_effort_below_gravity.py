@@ -6,6 +6,7 @@ import math
 import re
 from collections import Counter
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,12 +16,15 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.placeholders import is_round
-from urdfcheck.model import Joint, Model
+from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.source.text.values import parse_number, read_attribute_number
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
 
 # An effort that this many joints or more have, and all that have one, does not come from their drives.
 _PLACEHOLDER_JOINTS = 3
@@ -60,7 +64,11 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
         worst_first = sorted(loads, key=lambda load: -float(f"{load.torque:.3g}"))
         times = worst_first[0].torque / effort
         afloat = find_submersible_name(model) if times < buoyant else None
-        is_placeholder = _is_placeholder(model, effort) and (times > far or effort == _EXPORTED_EFFORT)
+        is_placeholder = (
+            _is_placeholder(model, effort)
+            and (times > far or effort == _EXPORTED_EFFORT)
+            and not _is_load_of_impossible_masses(model, worst_first[0])
+        )
         message = "placeholder" if is_placeholder else "weak" if times <= far else "far"
         most = max(load.count for load in loads)
         # A robot that cannot hold half of its poses may have wrong masses, whatever its limits.
@@ -91,16 +99,36 @@ def _are_masses_plausible(model: Model, joint: Joint) -> bool:
         if inertial is None or not inertial.mass:
             continue
         total += inertial.mass
-        box = compute_bounding_box(model, [(shape, np.eye(4)) for shape in link.visuals or link.collisions])
+        box = _measure_box(model, link)
         if box is None or inertial.origin.xyz is None:
             continue
-        if inertial.mass > _MAX_BOX_DENSITY * float((box[1] - box[0]).prod()):
+        if _is_denser_than_steel(inertial.mass, box):
             return False
         outside = np.maximum(0.0, np.maximum(box[0] - inertial.origin.xyz, inertial.origin.xyz - box[1]))
         if np.linalg.norm(outside) > np.linalg.norm(box[1] - box[0]):
             return False
         known += inertial.mass
     return known >= _KNOWN_SHARE * total > 0.0
+
+
+def _is_load_of_impossible_masses(model: Model, load: Overload) -> bool:
+    """Whether most of the mass that a joint carries is in links denser than steel: then the torque says nothing of the limit."""
+    dense = 0.0
+    for name in list_carried_links(model, load.joint):
+        link = model.link_by_name[name]
+        mass = 0.0 if link.inertial is None else link.inertial.mass or 0.0
+        box = _measure_box(model, link) if mass else None
+        dense += mass if box is not None and _is_denser_than_steel(mass, box) else 0.0
+    return 2 * dense > _sum_masses(model, load.joint)
+
+
+def _measure_box(model: Model, link: Link) -> Array | None:
+    """Return the corners of the box around what is drawn of a link; None where nothing of it is known."""
+    return compute_bounding_box(model, [(shape, np.eye(4)) for shape in link.visuals or link.collisions])
+
+
+def _is_denser_than_steel(mass: float, box: Array) -> bool:
+    return mass > _MAX_BOX_DENSITY * float((box[1] - box[0]).prod())
 
 
 def _is_documented(model: Model, load: Overload) -> bool:

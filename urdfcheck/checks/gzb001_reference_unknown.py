@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import PRESERVE, names_fixed_part
+from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
@@ -29,7 +30,9 @@ _SUFFIXES = ("_link", "_joint")
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     known = {*model.link_by_name, *model.joint_by_name}
     unknown: dict[str, list[Attribute]] = {}
-    references = [e.attributes["reference"] for e in model.robot.find_children("gazebo") if e.get("reference")]
+    # An empty block sets nothing, whatever it names.
+    blocks = [e for e in model.robot.find_children("gazebo") if e.get("reference") and e.children]
+    references = [block.attributes["reference"] for block in blocks]
     for reference in references:
         if reference.value not in known:
             unknown.setdefault(reference.value, []).append(reference)
@@ -48,6 +51,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 severity=Severity.INFO,
                 reference=name,
                 kind=optional.tag,
+                content=_join_child_tags(uses),
+            )
+        elif _is_of_sibling(model, name, uses):
+            yield rule.finding(
+                "shared",
+                at=uses[0],
+                related=uses[1:],
+                severity=Severity.INFO,
+                reference=name,
                 content=_join_child_tags(uses),
             )
         elif not UNFILLED.search(name):
@@ -101,6 +113,14 @@ def _find_optional_part(model: Model, name: str) -> Element | None:
     return next((e for e in elements if e.tag in {"link", "joint"} and e.get("name") == name), None)
 
 
+def _is_of_sibling(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
+    """Whether all blocks are in files that the model includes, or of which xacro made it, and another file of the package has
+    the link or joint: the blocks are for several robots."""
+    typed = {None if use.span is None else use.span.file for use in uses}
+    is_included = model.source.is_output_of_xacro or model.source.name not in typed
+    return is_included and any(package_names(model).is_spelled_elsewhere(kind, name) for kind in ("link", "joint"))
+
+
 def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
     """Report together all references that a script failed to fill in."""
     finding = rule.finding(
@@ -117,4 +137,4 @@ def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:
 
 def _join_child_tags(uses: list[Attribute]) -> str:
     """Join the names of the settings in the blocks."""
-    return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children)) or "content"
+    return ", ".join(dict.fromkeys(child.tag for use in uses for child in use.owner.children))

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_count, join_names
+from urdfcheck.core.text import find_only_near_name, format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
 from urdfcheck.model.simulation_use import has_successor_branch, names_successor
@@ -17,6 +17,7 @@ from urdfcheck.source.text.xml import Attribute, Element
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")
 _SENSOR_SYSTEM = "the <sensor> alone, with gz-sim-sensors-system to render it and ros_gz_bridge for its topics"
+_UNKNOWN_SYSTEM = "a gz-sim system that does the same, if there is one"
 _REPLACEMENTS = {
     "gazebo_ros_control": "gz_ros2_control (ROS 2, filename gz_ros2_control-system; gazebo_ros2_control for Classic under ROS 2)",
     "gazebo_ros2_control": "gz_ros2_control: filename gz_ros2_control-system, name {name}, without <robot_sim_type>, and "
@@ -26,6 +27,8 @@ _REPLACEMENTS = {
     "gazebo_ros_planar_move": "gz-sim-velocity-control-system",
     "gazebo_ros_force_based_move": "gz-sim-velocity-control-system",
     "gazebo_ros_ackermann_drive": "gz-sim-ackermann-steering-system",
+    "gazebo_ros_mecanum_drive": "gz-sim-mecanum-drive-system",
+    "gazebo_ros_elevator": "gz-sim-elevator-system",
     "gazebo_ros_joint_state_publisher": "gz-sim-joint-state-publisher-system",
     "gazebo_ros_joint_pose_trajectory": "gz-sim-joint-trajectory-controller-system",
     "gazebo_ros_p3d": "gz-sim-odometry-publisher-system",
@@ -38,6 +41,7 @@ _REPLACEMENTS = {
     "gazebo_ros_imu": "gz-sim-imu-system with an imu sensor",
     "gazebo_ros_imu_sensor": "gz-sim-imu-system with an imu sensor",
     "hector_gazebo_ros_imu": "gz-sim-imu-system with an imu sensor",
+    "gazebo_ros_gps": "gz-sim-navsat-system with a navsat sensor",
     "gazebo_ros_gps_sensor": "gz-sim-navsat-system with a navsat sensor",
     "hector_gazebo_ros_gps": "gz-sim-navsat-system with a navsat sensor",
     "hector_gazebo_ros_magnetic": "gz-sim-magnetometer-system with a magnetometer sensor",
@@ -61,7 +65,7 @@ _RELEASES = re.compile(r"^(?:ignition-gazebo|gz-sim)\d*-|^ign_")
 _NEW_PACKAGES = ("gz_", "ign_", "ros_gz", "ros_ign")
 # gz-sim makes no sensor of these types (SdfEntityCreator: "not supported yet").
 _CPU_LIDARS = frozenset({"ray", "lidar"})
-_SENSORS = re.compile(r"camera|kinect|laser|ray|range|prosilica|velodyne")
+_SENSORS = re.compile(r"camera|kinect|laser|lidar|ray|range|prosilica|velodyne")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -163,11 +167,10 @@ def _list_new_systems(gazebo: Iterable[Element]) -> dict[str, Element]:
 
 def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]], present: Mapping[str, Element]) -> str:
     """Return ``replace a, b by X; c by Y; delete d: Z is loaded in FILE:LINE``; ``present``: the systems that are loaded."""
-    unknown = "a gz-sim system that does the same (none has this name)"
     libraries_by_replacement: dict[str, list[str]] = {}
     deleted: list[str] = []
     for library, uses in plugins.items():
-        replacement = _REPLACEMENTS.get(library) or (_SENSOR_SYSTEM if _SENSORS.search(library) else unknown)
+        replacement = _find_replacement(library)
         system = None if replacement is _SENSOR_SYSTEM else _SYSTEM.search(replacement.format_map(_CONTROL))
         loaded = None if system is None else present.get(system[0])
         if system is not None and loaded is not None and loaded.span is not None:
@@ -179,6 +182,12 @@ def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]], present: 
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
     replaced = [f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items()]
     return "; ".join([*deleted, *(["replace " + "; ".join(replaced)] if replaced else [])])
+
+
+def _find_replacement(library: str) -> str:
+    """Return what replaces a library; that of a longer or shorter name is a fork of it: ``gazebo_ros_ackerman``."""
+    fork = _REPLACEMENTS.get(library) or _REPLACEMENTS.get(find_only_near_name(library, _REPLACEMENTS) or "")
+    return fork or (_SENSOR_SYSTEM if _SENSORS.search(library) else _UNKNOWN_SYSTEM)
 
 
 def _is_on_cpu_lidar(filename: Attribute) -> bool:

@@ -284,8 +284,11 @@ def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction
 def _describe_collision_repair(unknown: _UnknownCollision, other: str | None) -> str:
     if other is not None:
         return f"move the sensor into the block of {other}, and write the SDF name of its collision there"
+    if len(unknown.candidates) > 1:
+        listed = join_names(unknown.candidates, _MOST_NAMED)
+        return f"write the SDF name of each collision of this link that is to be watched, each in its <collision>: {listed}"
     if unknown.candidates:
-        return f"write the SDF name of this link's collision: {' or '.join(unknown.candidates)}"
+        return f"write the SDF name of this link's collision: {unknown.candidates[0]}"
     return f"give {unknown.sensor.reference} a collision, or move the sensor to the link that has it"
 
 
@@ -303,8 +306,7 @@ def _iter_unknown_collisions(
     names = {(shape.body, shape.name) for shape in reduction.collisions}
     names_by_link: dict[str, tuple[str, ...]] = {}
     for shape in reduction.collisions:
-        listed = names_by_link.get(shape.link, ())
-        names_by_link[shape.link] = (*listed, shape.name) if len(listed) < _MOST_NAMED else listed
+        names_by_link[shape.link] = (*names_by_link.get(shape.link, ()), shape.name)
     for sensor in sensors:
         body = reduction.body_by_link.get(sensor.reference)
         contact = sensor.element.find_child("contact")

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
@@ -47,6 +47,8 @@ _KEYS = frozenset({
     "topic_name", "ros_topic_name", "gz_topic_name", "ros_type_name", "gz_type_name", "direction", "publisher_queue",
     "subscriber_queue", "lazy", "publish_optical_frame", "qos_profile", "frame_id",
 })  # fmt: skip
+# An entry has one of these, or one or both of those.
+_ONE_TOPIC, _TWO_TOPICS = frozenset({"topic_name"}), frozenset({"ros_topic_name", "gz_topic_name"})
 _TEMPLATE = re.compile(r"[$<>{}%]")
 # At most this many bridge configurations are checked in one package, and this many yaml files read to find them.
 _MOST_CONFIGS, _MOST_READ = 100, 2_000
@@ -60,8 +62,10 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
             content = read_located_yaml(path, package.finder)
         except YamlReadError:  # the program that loads it reports it
             continue
-        for entry in () if content is None else content.items:
+        entries = () if content is None else content.items
+        for entry in entries:
             if entry.get("ros_type_name") is not None or entry.get("gz_type_name") is not None:
+                yield from _check_keys(entry, entries, rule)
                 yield from _check_entry(entry, rule)
 
 
@@ -85,11 +89,27 @@ def _find_bridge_configs(folder: Path, finder: PackageFinder) -> list[Path]:
     return configs
 
 
-def _check_entry(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
+def _check_keys(entry: YamlValue, entries: Iterable[YamlValue], rule: Rule) -> Iterator[Finding]:
+    """Report keys that resemble those of the bridge. Meant is a key that the entry lacks; rather one that other entries have."""
+    own = {key.text for key, _ in entry.entries}
+    others = {key.text for other in entries for key, _ in other.entries}
+    lacking = _KEYS - own - (_TWO_TOPICS if own & _ONE_TOPIC else _ONE_TOPIC if own & _TWO_TOPICS else frozenset())
     for key, _ in entry.entries:
-        near = find_nearest_name(key.text, _KEYS)
-        if key.text not in _KEYS and near is not None:
-            yield rule.finding("key", at=key, edits=key.build_edits(near), key=key.text, near=near)
+        if key.text in _KEYS or find_nearest_name(key.text, _KEYS) is None:
+            continue
+        near = find_nearest_name(key.text, lacking & others) or find_nearest_name(key.text, lacking)
+        is_only = near is not None and near == find_only_near_name(key.text, lacking)
+        yield rule.finding(
+            "key",
+            at=key,
+            edits=key.build_edits(near) if near is not None and is_only else (),
+            key=key.text,
+            near="" if near is None else f" (did you mean {near!r}?)",
+            repair="correct the key, or delete it" if near is None else f"write {near}",
+        )
+
+
+def _check_entry(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
     both = entry.get("topic_name"), entry.get("ros_topic_name") or entry.get("gz_topic_name")
     if both[0] is not None and both[1] is not None:
         yield rule.finding("both", at=both[0], other=both[1].key.rpartition(".")[2])

@@ -73,9 +73,15 @@ def _describe_repair(frames: Mapping[str, str]) -> str:
 
 
 def _choose_frame(model: Model, sensor: GazeboSensor, bodies: Mapping[str, str]) -> str:
-    """Return the link that a sensor is to name: of a camera the optical frame that is fixed to its link, if there is one."""
-    body = bodies.get(sensor.reference, sensor.reference)
-    optical = [name for name in model.link_by_name if "optical" in name.lower() and bodies.get(name) == body]
+    """Return the link that a sensor is to name: of a camera the optical frame that is fixed behind its link, if there is one."""
+    body = bodies.get(sensor.reference)
+    optical = [
+        name
+        for name in model.link_by_name
+        if "optical" in name.lower()
+        and bodies.get(name, "") == body
+        and any(joint.parent == sensor.reference for joint in model.tree.find_path_to(name))
+    ]
     return optical[0] if CAMERA_TYPE.search(sensor.type) and len(optical) == 1 else sensor.reference
 
 

@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from urdfcheck.model.shapes.sensor_rays import SelfScan
 
 _FILTERS = "laser_filters"
+# m: a sensor that sees nothing so near is no worse for it (chosen); farther, obstacles are lost too.
+_MOST_BLIND = 0.3
 
 
 def check(model: Model, rule: Rule, *, least: float) -> Iterator[Finding]:
@@ -43,6 +45,7 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan, *, least: float) ->
         )
     is_filtered = model.package is not None and _FILTERS in model.package.dependencies
     within = join_names(dict.fromkeys(seen.link for seen in scan.seen if seen.holds_sensor))
+    beyond = scan.farthest + 0.005
     return rule.finding(
         "cloud" if scan.layers > 1 else "filtered" if is_filtered else "inside" if within else "sees",
         at=scan.sensor.element,
@@ -58,5 +61,5 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan, *, least: float) ->
         rays="all its rays end" if scan.share == 1.0 else f"{scan.share:.1%} of its rays end",
         distance=" to ".join(dict.fromkeys(map(format_length, (scan.nearest, scan.farthest)))),
         range=format_length(scan.least),
-        beyond=f"{scan.farthest + 0.005:.2f}",
+        farther=f", or write {beyond:.2f} in <min> of its <range>" if beyond <= _MOST_BLIND else "",
     )

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.fixed_joint_lumping import find_preserved_names
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.repairs.edits import swap_values
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
@@ -42,18 +44,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 unit=joint.position_unit,
             )
     named = collect_plugin_texts(model) if equal else frozenset()
+    kept = find_preserved_names(model) if equal else {}
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():
         yield build_group_finding(
             rule,
             "equal",
             [joint.limit for joint in joints if joint.limit is not None],
-            severity=Severity.INFO if all(joint.child in named for joint in joints) else Severity.WARNING,
+            severity=Severity.INFO if all(j.child in named or j.name in kept for j in joints) else Severity.WARNING,
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
             instead=_describe_instead(model, joints, value),
-            keep=_describe_keeping([joint for joint in joints if joint.child in named], has_plugins=bool(named)),
+            keep=_describe_keeping([joint for joint in joints if joint.name not in kept], named),
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
@@ -89,15 +92,19 @@ def _describe_instead(model: Model, joints: Sequence[Joint], value: float) -> st
     return f"give the real range{turned}{endless}, or make the joint fixed{moved}"
 
 
-def _describe_keeping(joints: Sequence[Joint], *, has_plugins: bool) -> str:
+def _describe_keeping(joints: Sequence[Joint], named: AbstractSet[str]) -> str:
     """Return what keeps the links of joints that are made fixed: Gazebo merges them, and a plugin finds them no longer.
 
-    :param joints: those whose links a plugin names. Others may be named in the plugin's code.
+    :param joints: those that the file does not keep already.
+    :param named: what the plugins name. Other links may be named in a plugin's code.
     """
-    if not joints:
-        return "; Gazebo merges the links of fixed joints, and plugins find them no longer" if has_plugins else ""
-    first = joints[0]
-    others = "" if len(joints) == 1 else f", and likewise for {join_names(joint.name for joint in joints[1:])}"
+    if not joints or not named:
+        return ""
+    merged = [joint for joint in joints if joint.child in named]
+    if not merged:
+        return "; Gazebo merges the links of fixed joints, and plugins find them no longer"
+    first = merged[0]
+    others = f", and likewise for {join_names(joint.name for joint in merged[1:])}" if len(merged) > 1 else ""
     return (
         f" and keep {first.child}, which a plugin names, from being merged: "
         f'`<gazebo reference="{first.name}"><preserveFixedJoint>true</preserveFixedJoint></gazebo>`{others}'

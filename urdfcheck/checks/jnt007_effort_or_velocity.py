@@ -22,6 +22,8 @@ _SDF_UNLIMITED = -1.0
 _MANY = 4
 # rad: 160 turns either way (chosen). A range that large means that there is none.
 _ENDLESS = 1000.0
+# The words of joints that springs hold.
+_PASSIVE_WORDS = frozenset({"passive", "suspension", "spring", "shock", "damper"})
 _WANTED = {
     "effort": "effort, the highest torque in N·m (force in N),",
     "velocity": "velocity, the highest speed in rad/s (m/s),",
@@ -41,7 +43,8 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
                 names=" and ".join(missing),
                 wanted=" and ".join(_WANTED[name] for name in missing),
             )
-    driven = [] if is_held_still(model.robot) else [joint for joint in model.joints if joint.is_driven]
+    joints = [] if is_held_still(model.robot) else model.joints
+    driven = [joint for joint in joints if joint.is_driven and not joint.is_held]
     yield from _check_zeros(model, rule, driven)
     moving = _drop_idle_joints(model, driven)
     idle = _collect_read_joints(model)
@@ -51,6 +54,9 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
         name = "velocity" if largest["velocity"] >= most_velocity else "effort"
         yield _build_finding(rule, "endless", name, beyond, largest=max(map(_measure_reach, beyond)))
         moving = [joint for joint in moving if joint not in beyond]
+    commanded = _collect_commanded_joints(model)
+    # Where blocks name the motors of some joints, a spring or a free hinge has none, and no data sheet.
+    moving = [joint for joint in moving if joint.name in commanded or not commanded]
     absurd: dict[str, list[Joint]] = {}
     unlimited = {name: [j for j in driven if j.get_limit_value(name) == _SDF_UNLIMITED] for name in _WANTED}
     without_both = [joint for joint in unlimited["effort"] if joint in unlimited["velocity"]]
@@ -95,6 +101,15 @@ def _collect_read_joints(model: Model) -> set[str]:
     return {joint.get("name") for joint in joints} - commanded
 
 
+def _collect_commanded_joints(model: Model) -> set[str]:
+    """Collect the joints with a transmission or a command interface, or in a plugin; none where only plugins name any."""
+    controlled = (j for control in model.robot.find_children("ros2_control") for j in control.find_children("joint"))
+    commanded = {joint.get("name") for joint in controlled if joint.find_child("command_interface") is not None}
+    transmissions = model.robot.find_children("transmission")
+    commanded |= {joint.get("name") for transmission in transmissions for joint in transmission.find_children("joint")}
+    return commanded and commanded | collect_plugin_texts(model)
+
+
 def _measure_reach(joint: Joint) -> float:
     """Return how far (rad or m) from zero both ends of a range are at least; 0 for no range."""
     span = joint.position_range
@@ -119,8 +134,8 @@ def _describe_followers(model: Model, name: str, most: float) -> str:
 
 
 def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
-    """Leave out the joints without a drive: those that are passive by name, and those that move neither a mass nor a shape nor
-    another joint, but carry a number (the stiffness of a real joint) to a controller.
+    """Leave out the joints without a drive: those that are passive or springs by name, and those that move neither a mass nor a
+    shape nor another joint, but carry a number (the stiffness of a real joint) to a controller.
 
     All are kept if none is left: then the file describes no bodies.
     """
@@ -135,7 +150,7 @@ def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
 
 def _is_named_passive(joint: Joint) -> bool:
     """Whether the name says that no drive turns the joint: a data sheet has no speed for it."""
-    return "passive" in (word.lower() for word in split_name_words(joint.name))
+    return not _PASSIVE_WORDS.isdisjoint(word.lower() for word in split_name_words(joint.name))
 
 
 def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:

@@ -28,7 +28,11 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
         lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if lower is None or upper is None or lower == upper:
             continue  # exporters write zeros for every joint
-        if joint.type == "fixed" or (joint.type == "continuous" and max(-lower, upper) < _ENDLESS):
+        if joint.type == "fixed" or (
+            joint.type == "continuous"
+            and max(-lower, upper) < _ENDLESS
+            and not _stays_within(model, joint, lower, upper)
+        ):
             joints_by_message[joint.type].append(joint)
         elif joint.type == "revolute" and upper - lower > turns * math.tau and not _is_all_endless(joint):
             joints_by_message["wide"].append(joint)
@@ -38,6 +42,16 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
             yield _build_limits_finding(rule, message, stops, is_limb=True)
         if others := [joint for joint in joints if joint not in stops]:
             yield _build_limits_finding(rule, message, others, is_limb=False)
+
+
+def _stays_within(model: Model, joint: Joint, lower: float, upper: float) -> bool:
+    """Whether ``<mimic>`` moves a joint only within its limits, as its leader's range shows: no program stops it there."""
+    leader = None if joint.mimic is None else model.joint_by_name.get(joint.mimic.get("joint"))
+    span, coefficients = None if leader is None else leader.position_range, joint.mimic_coefficients
+    if span is None or coefficients is None:
+        return False
+    low, high = sorted(coefficients[0] * position + coefficients[1] for position in span)
+    return lower <= low and high <= upper
 
 
 def _is_all_endless(joint: Joint) -> bool:

@@ -8,8 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.repairs.edits import edit_value
-from urdfcheck.source.text.values import read_attribute_number
-from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.text.xml import Attribute
 
 # What Drake does with the <mimic> of a fixed joint: the numbers of degrees of freedom must agree.
 _EQUAL, _UNEQUAL = "ignores the <mimic>, with a warning", "refuses the file: a fixed joint cannot mimic one that moves"
@@ -65,11 +64,10 @@ def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
 def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float) -> Iterator[Finding]:
     """Report a follower whose own limits are narrower than its leader's range demands."""
     follower_range, leader_range = joint.position_range, leader.position_range
-    multiplier = _read_coefficient(reference.owner, "multiplier", 1.0)
-    offset = _read_coefficient(reference.owner, "offset", 0.0)
-    if follower_range is None or leader_range is None or multiplier is None or offset is None:
+    coefficients = joint.mimic_coefficients
+    if follower_range is None or leader_range is None or coefficients is None:
         return
-    lower, upper = follower_range
+    (lower, upper), (multiplier, offset) = follower_range, coefficients
     low, high = sorted(multiplier * q + offset for q in leader_range)
     beyond = max(lower - low, high - upper)
     if beyond > slack:
@@ -95,7 +93,3 @@ def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribut
             unit=joint.position_unit,
             repair=repair,
         )
-
-
-def _read_coefficient(mimic: Element, name: str, default: float) -> float | None:
-    return read_attribute_number(mimic, name) if name in mimic.attributes else default

@@ -24,7 +24,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
     outside, limiting = [], []
     for joint in model.joints:
         span = joint.position_range
-        if span is None or joint.mimic is not None or joint.name in placed:
+        if span is None or joint.mimic is not None or joint.name in placed or joint.is_held:
             continue
         slack = rel_tol * (span[1] - span[0])
         if span[0] > slack or span[1] < -slack:

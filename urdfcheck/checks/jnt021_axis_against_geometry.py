@@ -31,7 +31,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     found = find_contradicted_axes(model)
     mismatches, blocked, apart = found.bearings, found.sides, found.apart
     # One joint is off by mistake. What several joints show is how the robot is drawn.
-    if len(mismatches) == 1 and not _is_drawn_in_two_ways(model, mismatches[0].joint):
+    if len(mismatches) == 1 and not _is_bearing_drawn(model, mismatches[0]):
         yield _report_bearing(model, rule, mismatches[0])
     sunken = [one for one in found.sunken if not _is_side_drawn(model, one.joint)]
     if len(found.sunken) == 1 and sunken:
@@ -40,6 +40,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield _report_side(model, rule, blocked[0])
     if apart is not None and not (do_collisions_touch(model, apart) or _is_drawn_in_two_ways(model, apart.joint)):
         yield _report_apart(model, rule, apart)
+
+
+def _is_bearing_drawn(model: Model, found: BearingMismatch) -> bool:
+    """Whether the parts explain why a bearing is not about the axis: the origin has not slipped."""
+    has_twin = found.kind == "beside" and bool(_list_twins(model, found.joint))
+    return has_twin or _is_drawn_in_two_ways(model, found.joint)
 
 
 def _is_side_drawn(model: Model, name: str) -> bool:
@@ -59,15 +65,22 @@ def _is_drawn_in_two_ways(model: Model, name: str) -> bool:
 def _has_free_twin(model: Model, name: str) -> bool:
     """Whether the joint on the other side has the same axis and limits: it moves alike, and nothing is in its way."""
     joint = model.joint_by_name[name]
-    place, axis = model.frames[joint.child][:3, 3], model.axes[name]
-    for other in model.joints:
-        if other is joint or other.type != joint.type or other.name not in model.axes:
-            continue
+    for other in _list_twins(model, name):
         limits = [(one.get_limit_value("lower"), one.get_limit_value("upper")) for one in (joint, other)]
-        across = model.frames[other.child][:3, 3] - place * (1, -1, 1)
-        if limits[0] == limits[1] and np.abs(across).max() < _TWIN and float(axis @ model.axes[other.name]) > 0.999:
+        if limits[0] == limits[1] and float(model.axes[name] @ model.axes[other.name]) > 0.999:
             return True
     return False
+
+
+def _list_twins(model: Model, name: str) -> list[Joint]:
+    """List the joints of the same type at the mirrored place on the other side of y = 0: none of the two origins has slipped."""
+    joint = model.joint_by_name[name]
+    place = model.frames[joint.child][:3, 3]
+    others = [one for one in model.joints if one.type == joint.type and one.name in model.axes]
+    is_aside = abs(place[1]) > _TWIN
+    return [
+        one for one in others if is_aside and np.abs(model.frames[one.child][:3, 3] - place * (1, -1, 1)).max() < _TWIN
+    ]
 
 
 def _report_bearing(model: Model, rule: Rule, found: BearingMismatch) -> Finding:

@@ -8,6 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
+from urdfcheck.model.simulation_use import names_mimic_engine
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -18,7 +19,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if is_for_gazebo:
         driven = _list_driven_joints(model) | _list_plugin_words(model)
         free = [joint for joint in followers if joint.name not in driven]
-        if free and not any("mimic" in word.lower() for word in driven):
+        if free and not any("mimic" in word.lower() for word in driven) and not names_mimic_engine(model):
             yield _build_finding(rule, "gazebo", free)
     endless = [joint for joint in followers if joint.type == "continuous"]
     if "isaac" in model.targets and endless:

@@ -22,6 +22,8 @@ _ZERO = (0.0, 0.0, 0.0)
 TENSOR_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 # A root of one of these names is the ground itself.
 GROUND_NAMES = frozenset({"world", "map"})
+# A joint with less room stands still (chosen): half a degree, a tenth of a millimetre.
+_HELD_RANGE = {"rad": 0.01, "m": 1e-4}
 GEOMETRY_TAGS = ("mesh", "box", "cylinder", "sphere", "capsule")
 
 
@@ -374,6 +376,12 @@ class Joint:
         return lower, upper
 
     @property
+    def is_held(self) -> bool:
+        """Whether a range leaves about no room: the joint is locked on purpose where it stands."""
+        span = self.position_range
+        return span is not None and span[1] - span[0] < _HELD_RANGE[self.position_unit]
+
+    @property
     def position_unit(self) -> str:
         """The unit of the joint's position: ``m`` or ``rad``."""
         return "m" if self.type == "prismatic" else "rad"
@@ -386,6 +394,16 @@ class Joint:
     @property
     def mimic(self) -> Element | None:
         return self.element.find_child("mimic")
+
+    @property
+    def mimic_coefficients(self) -> tuple[float, float] | None:
+        """Multiplier and offset of ``<mimic>``; None without it or malformed."""
+        mimic = self.mimic
+        values = [
+            read_attribute_number(mimic, name) if mimic is not None and name in mimic.attributes else default
+            for name, default in (("multiplier", 1.0), ("offset", 0.0))
+        ]
+        return None if mimic is None or values[0] is None or values[1] is None else (values[0], values[1])
 
     @property
     def location(self) -> Location:

@@ -28,6 +28,8 @@ _SIMULATOR = re.compile(
 _GAZEBO = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|gzserver")
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
+# The engines of the new Gazebo that have mimic constraints, as launch files (--physics-engine) and worlds (<engine>) name them.
+_MIMIC_ENGINE = re.compile(r"gz-physics-(?:bullet-featherstone|mujoco)")
 # The option of Gazebo's spawners that puts a joint at a position.
 _START_OPTION = re.compile(r"(?<![\w-])-J\b")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
@@ -136,6 +138,12 @@ def _list_moving_links(model: Model) -> list[Link]:
 def names_successor(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, names the new Gazebo."""
     return any(map(_SUCCESSOR.search, _list_project_texts(model)))
+
+
+def names_mimic_engine(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, names an engine of the new Gazebo that couples
+    joints by ``<mimic>``."""
+    return any(map(_MIMIC_ENGINE.search, _list_project_texts(model)))
 
 
 def has_successor_branch(model: Model, element: Element) -> bool:

@@ -53,6 +53,10 @@ class PackageNames:
         """Whether the files that the model itself does not use can make the name."""
         return self._can_files_have(kind, name, self._other_names)
 
+    def is_spelled_elsewhere(self, kind: str, name: str) -> bool:
+        """Whether a file that the model itself does not use has a ``kind`` of exactly this name."""
+        return name in self._other_names.literal[kind]
+
     def _can_files_have(self, kind: str, name: str, files: _DeclaredNames) -> bool:
         if name in files.literal[kind] or len(name) > _LONGEST:
             return True

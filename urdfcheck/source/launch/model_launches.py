@@ -88,6 +88,12 @@ def may_load_yaml(model: Path, finder: PackageFinder, name: str) -> bool:
     )
 
 
+def may_run_xacro(model: Path, finder: PackageFinder) -> bool:
+    """Whether a launch file around a model names it and xacro."""
+    name = model.name.encode("utf-8", "surrogatepass")
+    return any(name in data and b"xacro" in data for _, data in _iter_launches_around(model, finder))
+
+
 def _iter_loading(launch: Launch, model: str) -> Iterator[Span]:
     """Yield the places of the commands and files with which a launch file loads a model, given by its real path."""
     for description in launch.descriptions:

@@ -21,7 +21,7 @@ IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
 _LEVELS_LEFT_OUT = 4
 # Of a package, so many texts of at most so many bytes are read.
-_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env")
+_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
 _MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
 # The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
 _MANIFESTS = frozenset({"package.xml", "manifest.xml"})
@@ -171,7 +171,8 @@ def _read_folder(path: str) -> tuple[bool, Sequence[str], Sequence[str]]:
 
 
 def read_package_texts(folder: Path, allows: Callable[[Path], bool], *, deep: bool = True) -> Iterator[str]:
-    """Yield the texts of a package that say what it is used with: its manifest, build files, launch files, scripts and hooks.
+    """Yield the texts of a package that say what it is used with: its manifest, build files, launch files,
+    scripts, hooks and worlds.
 
     ``allows``: whether a path may be opened; ``deep``: whether the folders in it are read too.
     """
