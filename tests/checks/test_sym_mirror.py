@@ -894,6 +894,21 @@ def test_a_side_that_was_rounded_is_named(tmp_path: Path, side: str, drawn: bool
         assert (finding.message_id, finding.cause.id) == ("pair", "rounded")
     else:
         assert finding.cause.text == f"The two agree if one mistake in {name} is undone: rounding: 3 decimals."
+    assert finding.severity is Severity.WARNING
+
+
+def test_rounding_is_a_slip_however_little_it_changes(tmp_path: Path) -> None:
+    """As where nothing is drawn: less than the 5 % from which a difference without a cause is a warning."""
+    base = ROBOT
+    six = {name: float(value) for name, value in numbers(base, f"{LEFT}/inertia").items()}
+    factor = 1.87e-3 / min(six[name] for name in ("ixx", "iyy", "izz"))
+    for path in (LEFT, RIGHT):
+        base = scale_inertial(base, path, mass=factor, tensor=factor)
+    finding = one(
+        tmp_path, with_(base, f"{LEFT}/inertia", **{name: f"{factor * value:.3f}" for name, value in six.items()})
+    )
+    assert finding.data["share"] < 0.05
+    assert finding.severity is Severity.WARNING
 
 
 def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Path) -> None:

@@ -200,11 +200,12 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "between": _list_subjects(both[0].link, both[1].link),
         **_collect_cause_data(both, why),
     }
+    share = max(deviation.worst, shares.differ) if why.is_slip else deviation.worst
     place: dict[str, Any] = {
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
         "related": [_locate_difference(model, side.twin, shown.deviation, note=note)],
         "cause": cause,
-        "severity": shares.choose_severity(deviation.worst, pair, cause),
+        "severity": shares.choose_severity(share, pair, cause),
         "consequences": _describe_consequences(model, pair, deviation, note),
     }
     shared = _has_shared_inertial(side)
@@ -216,8 +217,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
             # Neither was right before it was copied.
-            cause = None if why.slip is None else cause
-            place |= {"cause": cause, "severity": shares.choose_severity(deviation.worst, pair, cause)}
+            cause = cause if why.is_slip else None
+            place |= {"cause": cause, "severity": shares.choose_severity(share, pair, cause)}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
@@ -316,6 +317,11 @@ class _Explanation:
     """The side that has the numbers of another part, and that part."""
     axis: str = ""
     """The axis about which half a turn makes one side's numbers those of the other."""
+
+    @property
+    def is_slip(self) -> bool:
+        """Whether one slip explains all of the difference: it is one however small the difference is."""
+        return self.slip is not None or self.cause == "rounded"
 
 
 def _explain_difference(
