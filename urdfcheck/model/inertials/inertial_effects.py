@@ -180,12 +180,16 @@ def is_mark(model: Model, mass: float) -> bool:
     return mass <= _MARK and mass < _MARK_SHARE * sum(declared.mass for declared in model.masses)
 
 
-def is_light(model: Model, link: Link) -> bool:
-    """Whether the link is a small part of a rigid body, whose motion its numbers hardly change."""
+def is_light(model: Model, link: Link, mended: DeclaredInertial | None = None) -> bool:
+    """Whether the link is a small part of a rigid body, whose motion its numbers hardly change: also with the ``mended`` ones,
+    for a mass that lost a decimal makes any part light."""
     try:
         body = model.pieces.list_body_links(link.name)
     except FactUnavailableError:
         return False
     whole = compute_body_mass(model, body)
     mass = None if link.inertial is None else link.inertial.mass
-    return len(body) > 1 and whole is not None and mass is not None and mass < LIGHT * whole
+    if len(body) == 1 or whole is None or mass is None:
+        return False
+    lost = 0.0 if mended is None else max(0.0, mended.mass - mass)
+    return mass + lost < LIGHT * (whole + lost)
