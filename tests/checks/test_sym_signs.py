@@ -85,6 +85,37 @@ def test_two_hubs_are_mirror_images_but_for_a_decimal_point(tmp_path: Path, righ
     assert [slip.cause.id for slip in slips if slip.cause is not None] == ["decimal"] * found
 
 
+@pytest.mark.parametrize(
+    ("front", "rear", "found"),
+    [
+        ("0.4145 0 0", "-4.145 0 0", True),
+        ("0.4 0 0", "-4 0 0", False),  # numbers that are round may be two
+        ("0.4145 0 0", "4.145 0 0", False),  # at one end
+        ("0.4145 0 0", "-0.4145 0 0", False),
+    ],
+)
+def test_two_ends_are_mirror_images_but_for_a_decimal_point(tmp_path: Path, front: str, rear: str, found: bool) -> None:
+    joints = "".join(
+        f'<joint name="{end}_face" type="fixed"><origin xyz="{xyz}"/><parent link="base"/><child link="{end}_face"/></joint>'
+        f'<link name="{end}_face"/>'
+        for end, xyz in (("front", front), ("rear", rear))
+    )
+    slips = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{joints}</robot>')
+    assert [(slip.location.subject, slip.cause.id) for slip in slips if slip.cause is not None] == [
+        ("joint[rear_face]/origin@xyz", "decimal")
+    ] * found
+
+
+def test_a_rotor_is_ten_times_as_far_back_as_the_one_beside_it(tmp_path: Path) -> None:
+    joints = "".join(
+        f'<joint name="{name}_rotor" type="fixed"><origin xyz="{xyz}"/><parent link="base"/><child link="{name}_rotor"/></joint>'
+        f'<link name="{name}_rotor"/>'
+        for name, xyz in (("BL", "-3.1 0.19 0.1"), ("BR", "-0.31 -0.19 0.1"))
+    )
+    slips = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{joints}</robot>')
+    assert [slip.location.subject for slip in slips] == ["joint[BL_rotor]/origin@xyz"]
+
+
 def test_another_place_is_no_slip(tmp_path: Path) -> None:
     assert not find_slips(tmp_path, make_quadruped(("FL", "FR"), FR_knee="0 -0.02 -0.3"))
 
