@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find
+from builders import find, joint
 from conftest import check_text
 from transforms import Robot, Transformation, each_link, moved_link, rerooted, rotated_inertial, rotated_link, scaled
 
@@ -909,6 +909,19 @@ def test_rounding_is_a_slip_however_little_it_changes(tmp_path: Path) -> None:
     )
     assert finding.data["share"] < 0.05
     assert finding.severity is Severity.WARNING
+
+
+def test_marks_that_are_where_there_is_room_do_not_hide_the_plane_of_the_wheels(tmp_path: Path) -> None:
+    tensor = '<inertia ixx="0.00082" ixy="0" ixz="0" iyy="0.00147" iyz="0" izz="0.00082"/>'
+    sides = "".join(
+        f'<link name="{side}_wheel"><inertial><mass value="{mass}"/>{tensor}</inertial></link><link name="{side}_mark"/>'
+        f"{joint(f'{side}_wheel_joint', 'base', f'{side}_wheel', kind='continuous', xyz=f'0 {y} 0', axis='0 1 0')}"
+        f"{joint(f'{side}_mark_joint', 'base', f'{side}_mark', kind='fixed', xyz=f'{x} {0.8 * y} 0.2')}"
+        for side, y, x, mass in (("left", 0.17, 0.001, 0.5), ("right", -0.17, 0.005, 0.5 / 0.45359237))
+    )
+    finding = one(tmp_path, ET.fromstring(f'<robot name="r"><link name="base"/>{sides}</robot>'))
+    assert finding.cause is not None
+    assert (finding.message_id, finding.cause.id) == ("moments", "mass_unit")
 
 
 def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Path) -> None:

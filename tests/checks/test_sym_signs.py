@@ -405,10 +405,11 @@ def test_fingers_that_swing_to_the_same_side_are_found(
     parts = ['<link name="palm"/>']
     for number, y in ((1, 0.02), (2, -0.02)):
         bounds = second if number == 2 else 'lower="0" upper="0.5"'
+        limit = f'<limit {bounds} effort="2" velocity="5"/>{more * (number == 2)}'
         parts.append(f'<link name="finger_{number}">{part}</link>')
         parts.append(
             joint(
-                f"finger_{number}_joint", "palm", f"finger_{number}", f'<limit {bounds} effort="2" velocity="5"/>{more * (number == 2)}',
+                f"finger_{number}_joint", "palm", f"finger_{number}", limit,
                 kind="revolute", xyz=f"0 {y} 0", axis=axis if number == 2 else "0 0 1",
             )
         )  # fmt: skip
