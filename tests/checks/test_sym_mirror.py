@@ -911,6 +911,16 @@ def test_rounding_is_a_slip_however_little_it_changes(tmp_path: Path) -> None:
     assert finding.severity is Severity.WARNING
 
 
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_a_com_that_only_one_side_has_is_missing_on_the_other(tmp_path: Path, side: str) -> None:
+    robot = strip_drawings(ROBOT)
+    assert not find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+    finding = one(tmp_path, with_(robot, f"{side}/origin", xyz="0 0 0"))
+    assert finding.cause is not None
+    assert (finding.message_id, finding.cause.id, finding.severity) == ("moments", "com_missing", Severity.WARNING)
+    assert finding.location.subject.startswith(f"link[{side.partition(chr(39))[2].partition(chr(39))[0]}]")
+
+
 def test_marks_that_are_where_there_is_room_do_not_hide_the_plane_of_the_wheels(tmp_path: Path) -> None:
     tensor = '<inertia ixx="0.00082" ixy="0" ixz="0" iyy="0.00147" iyz="0" izz="0.00082"/>'
     sides = "".join(

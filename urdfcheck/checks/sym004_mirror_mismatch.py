@@ -484,12 +484,13 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     if sides is None:
         return None
     deviation, slip, note = sides.deviation, sides.slip, shares.note
-    share = deviation.worst if slip is None else max(deviation.worst, shares.differ)
+    is_slip = slip is not None or sides.lost is not None
+    share = max(deviation.worst, shares.differ) if is_slip else deviation.worst
     # Without a cause, a few percent are two exports, and sides that nothing shows to be one part may be two.
     is_doubtful = not sides.is_explained and (
         share < shares.differ or not (sides.are_drawn or sides.is_of_one_part(note))
     )
-    severity = Severity.WARNING if slip is not None else shares.choose_severity(share, pair)
+    severity = Severity.WARNING if is_slip else shares.choose_severity(share, pair)
     repair = "compare both with the CAD model, and give the wrong one the mirrored numbers of the other"
     return rule.finding(
         "moments",
@@ -516,6 +517,8 @@ def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
     """Return the id of the cause on the page."""
     if sides.typed is not None:
         return "placeholder"
+    if sides.lost is not None:
+        return "com_missing"
     if sides.slip is not None and all(map(_has_power_of_ten, sides.numbers)):
         return None  # two placeholders, 0.1 and 0.001, are a power of ten apart whatever the reason
     return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
