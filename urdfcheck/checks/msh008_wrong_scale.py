@@ -148,11 +148,12 @@ def _check_sizes(model: Model, rule: Rule, *, sizes: _SizeLimits, meshes: Iterab
 
 
 def _find_usual_scale(model: Model) -> float:
-    """Return the scale that most uses of meshes have along all axes, whatever its signs; 1 where none has."""
+    """Return the scale that most uses of meshes have along all axes, whatever its signs, if it converts a unit: any other is that
+    of parts that were made longer, and says nothing about a unit; else 1."""
     scales = [tuple(abs(part) for part in use.shape.size) for use in model.meshes.uses if use.shape.size is not None]
     counts = Counter(scale[0] for scale in scales if len(set(scale)) == 1)
     usual, count = max(counts.items(), key=lambda item: (item[1], item[0]), default=(1.0, 0))
-    return usual if 2 * count > len(scales) else 1.0
+    return usual if 2 * count > len(scales) and usual < MAX_CONVERSION_SCALE else 1.0
 
 
 def _classify_size(model: Model, mesh: _MeasuredMesh, sizes: _SizeLimits, *, usual: float) -> str | None:
