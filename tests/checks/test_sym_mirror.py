@@ -224,7 +224,7 @@ DEFECTS: dict[str, Callable[[Robot], Robot]] = {
     "axis and another end": lambda r: with_(
         with_(r, "joint[@name='right_arm_joint']/axis", xyz="0 -1 0"),
         "joint[@name='right_arm_joint']/limit",
-        upper="1.03",
+        upper="1.95",
     ),
     "effort": lambda r: with_(r, "joint[@name='right_arm_joint']/limit", effort="4"),
     "damping": lambda r: with_(r, "joint[@name='right_arm_joint']/dynamics", damping="0.2"),
