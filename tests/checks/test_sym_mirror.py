@@ -927,6 +927,19 @@ def test_a_com_that_only_one_side_has_is_missing_on_the_other(tmp_path: Path, si
     assert finding.location.subject.startswith(f"link[{side.partition(chr(39))[2].partition(chr(39))[0]}]")
 
 
+def test_typed_tensors_of_two_fingers_that_are_a_power_of_ten_apart_have_no_cause(tmp_path: Path) -> None:
+    """INR009 names none of numbers that were made up, so that it explains nothing either."""
+    shape = '<visual><geometry><box size="0.03 0.01 0.01"/></geometry></visual>'
+    fingers = "".join(
+        f'<link name="{side}_finger"><inertial><mass value="1"/><inertia ixx="{typed}" ixy="0" ixz="0" iyy="{typed}" iyz="0" '
+        f'izz="{typed}"/></inertial>{shape}</link>'
+        f"{joint(f'{side}_joint', 'palm', f'{side}_finger', kind='prismatic', xyz=f'0 {y} 0', axis=f'0 {y} 0')}"
+        for side, y, typed in (("left", 0.02, 0.01), ("right", -0.02, 1))
+    )
+    finding = one(tmp_path, ET.fromstring(f'<robot name="r"><link name="palm"/>{fingers}</robot>'))
+    assert (finding.message_id, finding.cause, finding.severity) == ("both", None, Severity.WARNING)
+
+
 def test_marks_that_are_where_there_is_room_do_not_hide_the_plane_of_the_wheels(tmp_path: Path) -> None:
     tensor = '<inertia ixx="0.00082" ixy="0" ixz="0" iyy="0.00147" iyz="0" izz="0.00082"/>'
     sides = "".join(

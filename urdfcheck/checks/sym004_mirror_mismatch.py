@@ -30,6 +30,7 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
+from urdfcheck.model.inertials.inertial_effects import is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
@@ -345,7 +346,7 @@ def _explain_difference(
         return _Explanation(cause=cause)
     slip = find_side_slip(both, note)
     if slip is not None and (not is_decided or slip.is_either or both[not slip.is_first].link is side.link):
-        return _Explanation(cause=_name_slip(slip), slip=slip)
+        return _Explanation(cause=_name_slip(slip, [one.actual for one in both]), slip=slip)
     copied = find_copied_side(model, both[0].link, both[1].link)
     if copied is not None and (not is_decided or copied[0] is side.link):
         return _Explanation(cause="other_part", copied=copied)
@@ -468,6 +469,8 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
+        if diagnosed is not None and is_chance_decimal(model, model.tensor_by_name[name], diagnosed):
+            cause = None  # INR009 reports none either
         causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
         if diagnosed is not None:
             declared.append(diagnosed.declared)
@@ -519,9 +522,9 @@ def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
         return "placeholder"
     if sides.lost is not None:
         return "com_missing"
-    if sides.slip is not None and all(map(_has_power_of_ten, sides.numbers)):
-        return None  # two placeholders, 0.1 and 0.001, are a power of ten apart whatever the reason
-    return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
+    if sides.slip is not None:
+        return _name_slip(sides.slip, sides.numbers)
+    return "other_part" if sides.copied is not None else None
 
 
 def _has_power_of_ten(numbers: DeclaredInertial) -> bool:
@@ -549,8 +552,11 @@ def _collect_cause_data(both: Sequence[PairSide], why: _Explanation) -> dict[str
     }
 
 
-def _name_slip(slip: TwinSlip) -> str:
-    """Return the id of the cause on the page."""
+def _name_slip(slip: TwinSlip, numbers: Iterable[DeclaredInertial]) -> str | None:
+    """Return the id of the cause on the page; None for two placeholders: 0.1 and 0.001 are a power of ten apart whatever the
+    reason."""
+    if all(map(_has_power_of_ten, numbers)):
+        return None
     if slip.is_either:
         return "decimal"
     return {"inertia_unit": "unit", "mass_unit": "mass_unit"}.get(slip.mistake.id, "slip")
