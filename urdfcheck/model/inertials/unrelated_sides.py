@@ -92,7 +92,8 @@ class UnlikeSides:
 def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float) -> UnlikeSides | None:
     """Compare the inertials of a named pair whose drawings are not related; None where they agree or may differ.
 
-    Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts. Sides
+    Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts, and the
+    numbers of a third link. Sides
     that carry other joints, such as a finger with a suction pad, are other parts.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
@@ -106,7 +107,9 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
     deviation, slip = measure_principal_deviation(second, first), find_slip_between_twins(first, second)
     lost = _find_lost_com((first, second)) if pair.is_in_place and deviation.worst <= threshold else None
     is_unlike = deviation.worst > threshold or lost is not None
-    if slip is None and not (pair.is_in_place and is_unlike and _carry_alike(model, one, other)):
+    copied = find_copied_side(model, one, other) if slip is None and is_unlike else None
+    is_comparable = pair.is_in_place or copied is not None
+    if slip is None and not (is_comparable and is_unlike and _carry_alike(model, one, other)):
         return None
     if slip is None and lost is None and fit_own_drawings_alike(model, one, other, threshold=threshold):
         return None
@@ -117,7 +120,7 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
         deviation=deviation,
         slip=slip,
         typed=find_typed_side(one, other) if slip is None and deviation.spread > threshold else None,
-        copied=None if slip is not None else find_copied_side(model, one, other),
+        copied=copied,
         lost=None if slip is not None or lost is None else (one, other)[lost],
         are_drawn=pair.drawn_as is not None,
     )
