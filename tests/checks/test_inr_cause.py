@@ -484,6 +484,19 @@ def two_arms(left: DeclaredInertial, right: DeclaredInertial) -> str:
     )
 
 
+def test_a_mass_that_lost_a_decimal_does_not_make_its_link_too_light_to_matter(tmp_path: Path) -> None:
+    light = DeclaredInertial(TRUE.mass / 10, TRUE.com, TRUE.tensor)
+    load = f'<inertial><mass value="{4 * TRUE.mass}"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+    loads = "".join(
+        f'<link name="{side}_load">{load}</link>'
+        f'<joint name="{side}_clamp" type="fixed"><parent link="{side}_arm"/><child link="{side}_load"/></joint>'
+        for side in ("left", "right")
+    )
+    text = two_arms(light, TRUE).replace("</robot>", f"{loads}</robot>")
+    (finding,) = find_clear_messages(tmp_path, text, {"INR009"})
+    assert (finding.severity, finding.cause and finding.cause.id) == (Severity.WARNING, "decimal_point")
+
+
 # A part with a motor in its post: its mesh alone would not tell a wrong sign.
 _MOTOR = np.array((0.11, 0.01, 0.15))
 _COM = 0.8 * TRUE.com + 0.2 * _MOTOR

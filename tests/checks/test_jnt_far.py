@@ -141,3 +141,18 @@ def test_without_shapes_a_com_beyond_shows_that_no_shaft_is_between(tmp_path: Pa
 @pytest.mark.parametrize(("far", "count"), [("8 0 0", 1), ("4 0 0", 0)])
 def test_a_fixed_part_is_far_if_it_is_drawn(tmp_path: Path, far: str, count: int) -> None:
     assert len(find_far(tmp_path, make_arm(flange=far))) == count
+
+
+@pytest.mark.parametrize(("name", "count"), [("elbow", 1), ("wrist", 1), ("turn", 0)])
+def test_in_an_arm_of_which_nothing_is_known_ten_times_is_enough_before_another_joint(
+    tmp_path: Path, name: str, count: int
+) -> None:
+    chain = {"shoulder": "0 0 0.2", "elbow": "0.3 0 0", "wrist": "0.25 0 0", "bend": "0.1 0 0", "turn": "0.08 0 0"}
+    places = list((chain | {name: "4 0 0"}).items())
+    joints = [
+        joint(one, f"p{i}", f"p{i + 1}", kind="continuous", xyz=xyz, axis="0 1 0")
+        for i, (one, xyz) in enumerate(places)
+    ]
+    mesh = '<visual><geometry><mesh filename="package://arm/meshes/part.stl"/></geometry></visual>'
+    links = [f'<link name="p{i}">{mesh}</link>' for i in range(len(places) + 1)]
+    assert len(find_far(tmp_path, f'<robot name="arm">{"".join(links)}{"".join(joints)}</robot>')) == count

@@ -727,6 +727,20 @@ def test_a_mesh_that_is_scaled_twice_gets_the_usual_scale(
         assert [edit.replacement for edit in finding.fix.edits] == [f"{unit} -{unit} {unit}"]
 
 
+def test_a_usual_scale_that_converts_no_unit_is_no_repair(tmp_path: Path) -> None:
+    """Blades that are made longer by a factor say nothing about the unit of the arm's file, which is in metres."""
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, 0.3))
+    text = '<link name="base"/>' + "".join(
+        f'<link name="p{i}">{shape("visual", "part.obj", scale=scale)}</link><joint name="j{i}" type="continuous">'
+        f'<parent link="base"/><child link="p{i}"/><origin xyz="{0.2 + i} 0 0"/></joint>'
+        for i, scale in enumerate(["0.12 0.12 0.12"] * 3 + ["0.001 0.001 0.001"])
+    )
+    (finding,) = check_text(tmp_path, f'<robot name="r">{text}</robot>', codes={"MSH008"}).findings
+    assert finding.message_id == "small"
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == ["1 1 1"]
+
+
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find
+from builders import find, joint
 from conftest import check_text
 from transforms import Robot, Transformation, each_link, moved_link, rerooted, rotated_inertial, rotated_link, scaled
 
@@ -221,6 +221,11 @@ DEFECTS: dict[str, Callable[[Robot], Robot]] = {
     "limits copied": lambda r: with_(r, "joint[@name='right_hand_joint']/limit", lower="-0.5", upper="1.2"),
     "limit": lambda r: with_(r, "joint[@name='right_arm_joint']/limit", lower="-0.5"),
     "axis turned over": lambda r: with_(r, "joint[@name='right_arm_joint']/axis", xyz="0 -1 0"),
+    "axis and another end": lambda r: with_(
+        with_(r, "joint[@name='right_arm_joint']/axis", xyz="0 -1 0"),
+        "joint[@name='right_arm_joint']/limit",
+        upper="1.95",
+    ),
     "effort": lambda r: with_(r, "joint[@name='right_arm_joint']/limit", effort="4"),
     "damping": lambda r: with_(r, "joint[@name='right_arm_joint']/dynamics", damping="0.2"),
     "origin": lambda r: with_(r, "joint[@name='right_hand_joint']/origin", xyz="0.005 -0.01 -0.32"),
@@ -236,6 +241,7 @@ TOLD = {
     "limits copied": ("limits_pair", "limits_copied", "joint[right_hand_joint]/limit"),
     "limit": ("limits_pair", None, "joint[right_arm_joint]/limit"),
     "axis turned over": ("limits_pair", "axis_negated", "joint[right_arm_joint]/limit"),
+    "axis and another end": ("limits_pair", "axis_negated", "joint[right_arm_joint]/limit"),
     "effort": ("limits_pair", None, "joint[right_arm_joint]/limit"),
     "damping": ("dynamics", None, "joint[right_arm_joint]/dynamics"),
     "origin": ("origin", None, "joint[right_hand_joint]/origin@xyz"),
@@ -894,6 +900,57 @@ def test_a_side_that_was_rounded_is_named(tmp_path: Path, side: str, drawn: bool
         assert (finding.message_id, finding.cause.id) == ("pair", "rounded")
     else:
         assert finding.cause.text == f"The two agree if one mistake in {name} is undone: rounding: 3 decimals."
+    assert finding.severity is Severity.WARNING
+
+
+def test_rounding_is_a_slip_however_little_it_changes(tmp_path: Path) -> None:
+    """As where nothing is drawn: less than the 5 % from which a difference without a cause is a warning."""
+    base = ROBOT
+    six = {name: float(value) for name, value in numbers(base, f"{LEFT}/inertia").items()}
+    factor = 1.87e-3 / min(six[name] for name in ("ixx", "iyy", "izz"))
+    for path in (LEFT, RIGHT):
+        base = scale_inertial(base, path, mass=factor, tensor=factor)
+    finding = one(
+        tmp_path, with_(base, f"{LEFT}/inertia", **{name: f"{factor * value:.3f}" for name, value in six.items()})
+    )
+    assert finding.data["share"] < 0.05
+    assert finding.severity is Severity.WARNING
+
+
+@pytest.mark.parametrize("side", [LEFT, RIGHT])
+def test_a_com_that_only_one_side_has_is_missing_on_the_other(tmp_path: Path, side: str) -> None:
+    robot = strip_drawings(ROBOT)
+    assert not find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+    finding = one(tmp_path, with_(robot, f"{side}/origin", xyz="0 0 0"))
+    assert finding.cause is not None
+    assert (finding.message_id, finding.cause.id, finding.severity) == ("moments", "com_missing", Severity.WARNING)
+    assert finding.location.subject.startswith(f"link[{side.partition(chr(39))[2].partition(chr(39))[0]}]")
+
+
+def test_typed_tensors_of_two_fingers_that_are_a_power_of_ten_apart_have_no_cause(tmp_path: Path) -> None:
+    """INR009 names none of numbers that were made up, so that it explains nothing either."""
+    shape = '<visual><geometry><box size="0.03 0.01 0.01"/></geometry></visual>'
+    fingers = "".join(
+        f'<link name="{side}_finger"><inertial><mass value="1"/><inertia ixx="{typed}" ixy="0" ixz="0" iyy="{typed}" iyz="0" '
+        f'izz="{typed}"/></inertial>{shape}</link>'
+        f"{joint(f'{side}_joint', 'palm', f'{side}_finger', kind='prismatic', xyz=f'0 {y} 0', axis=f'0 {y} 0')}"
+        for side, y, typed in (("left", 0.02, 0.01), ("right", -0.02, 1))
+    )
+    finding = one(tmp_path, ET.fromstring(f'<robot name="r"><link name="palm"/>{fingers}</robot>'))
+    assert (finding.message_id, finding.cause, finding.severity) == ("both", None, Severity.WARNING)
+
+
+def test_marks_that_are_where_there_is_room_do_not_hide_the_plane_of_the_wheels(tmp_path: Path) -> None:
+    tensor = '<inertia ixx="0.00082" ixy="0" ixz="0" iyy="0.00147" iyz="0" izz="0.00082"/>'
+    sides = "".join(
+        f'<link name="{side}_wheel"><inertial><mass value="{mass}"/>{tensor}</inertial></link><link name="{side}_mark"/>'
+        f"{joint(f'{side}_wheel_joint', 'base', f'{side}_wheel', kind='continuous', xyz=f'0 {y} 0', axis='0 1 0')}"
+        f"{joint(f'{side}_mark_joint', 'base', f'{side}_mark', kind='fixed', xyz=f'{x} {0.8 * y} 0.2')}"
+        for side, y, x, mass in (("left", 0.17, 0.001, 0.5), ("right", -0.17, 0.005, 0.5 / 0.45359237))
+    )
+    finding = one(tmp_path, ET.fromstring(f'<robot name="r"><link name="base"/>{sides}</robot>'))
+    assert finding.cause is not None
+    assert (finding.message_id, finding.cause.id) == ("moments", "mass_unit")
 
 
 def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Path) -> None:
@@ -913,11 +970,15 @@ def test_a_tensor_about_the_origin_is_named_on_the_side_that_has_it(tmp_path: Pa
     assert "one mistake in left_arm is undone: tensor about the origin" in finding.cause.text
 
 
-def test_numbers_of_another_part_are_recognized(tmp_path: Path) -> None:
+@pytest.mark.parametrize("is_in_place", [True, False])
+def test_numbers_of_another_part_are_recognized(tmp_path: Path, is_in_place: bool) -> None:
     robot = strip_drawings(ROBOT)
+    if not is_in_place:
+        robot = moved_link(robot, "right_arm", build_origin_transform((0.004, 0.0, 0.002), (0.0, 0.0, 0.0)))
     upper = "link[@name='left_shoulder']/inertial"
     mass, six = numbers(robot, f"{upper}/mass"), numbers(robot, f"{upper}/inertia")
-    finding = one(tmp_path, with_(with_(robot, f"{RIGHT}/mass", **mass), f"{RIGHT}/inertia", **six))
+    found = find_mirror_defects(tmp_path, with_(with_(robot, f"{RIGHT}/mass", **mass), f"{RIGHT}/inertia", **six))
+    (finding,) = (f for f in found if f.message_id == "moments")
     assert told(finding)[1] == "other_part"
     assert finding.cause is not None
     assert finding.cause.text.startswith("right_arm has the same numbers as left_shoulder")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import find, joint
+from builders import find, inertial, joint
 from conftest import check_text
 
 from urdfcheck.core import Finding
@@ -84,6 +84,37 @@ def test_two_hubs_are_mirror_images_but_for_a_decimal_point(tmp_path: Path, righ
     )
     slips = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{joints}</robot>')
     assert [slip.cause.id for slip in slips if slip.cause is not None] == ["decimal"] * found
+
+
+@pytest.mark.parametrize(
+    ("front", "rear", "found"),
+    [
+        ("0.4145 0 0", "-4.145 0 0", True),
+        ("0.4 0 0", "-4 0 0", False),  # numbers that are round may be two
+        ("0.4145 0 0", "4.145 0 0", False),  # at one end
+        ("0.4145 0 0", "-0.4145 0 0", False),
+    ],
+)
+def test_two_ends_are_mirror_images_but_for_a_decimal_point(tmp_path: Path, front: str, rear: str, found: bool) -> None:
+    joints = "".join(
+        f'<joint name="{end}_face" type="fixed"><origin xyz="{xyz}"/><parent link="base"/><child link="{end}_face"/></joint>'
+        f'<link name="{end}_face"/>'
+        for end, xyz in (("front", front), ("rear", rear))
+    )
+    slips = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{joints}</robot>')
+    assert [(slip.location.subject, slip.cause.id) for slip in slips if slip.cause is not None] == [
+        ("joint[rear_face]/origin@xyz", "decimal")
+    ] * found
+
+
+def test_a_rotor_is_ten_times_as_far_back_as_the_one_beside_it(tmp_path: Path) -> None:
+    joints = "".join(
+        f'<joint name="{name}_rotor" type="fixed"><origin xyz="{xyz}"/><parent link="base"/><child link="{name}_rotor"/></joint>'
+        f'<link name="{name}_rotor"/>'
+        for name, xyz in (("BL", "-3.1 0.19 0.1"), ("BR", "-0.31 -0.19 0.1"))
+    )
+    slips = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{joints}</robot>')
+    assert [slip.location.subject for slip in slips] == ["joint[BL_rotor]/origin@xyz"]
 
 
 def test_another_place_is_no_slip(tmp_path: Path) -> None:
@@ -351,6 +382,57 @@ def test_fingers_that_slide_to_the_same_side_or_across_each_other_are_found(
         )  # fmt: skip
     found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
     assert [finding.message_id for finding in found] == ["crosswise" if axis == "0 0 1" else "together"] * count
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+@pytest.mark.parametrize(
+    ("axis", "second", "more", "count"),
+    [
+        ("0 0 -1", 'lower="0" upper="0.5"', "", 0),
+        ("0 0 1", 'lower="-0.5" upper="0"', "", 0),
+        ("0 0 1", 'lower="0" upper="0.5"', "", 1),
+        ("0 0 1", 'lower="0" upper="0.4"', "", 0),
+        ("0 0 1", 'lower="-0.3" upper="0.5"', "", 0),
+        ("0 1 0", 'lower="0" upper="0.5"', "", 0),
+        ("0 0 1", 'lower="0" upper="0.5"', '<mimic joint="finger_1_joint" multiplier="-1"/>', 0),
+        ("0 0 1", 'lower="0" upper="0.5"', '<mimic joint="finger_1_joint"/>', 1),
+    ],
+)
+def test_fingers_that_swing_to_the_same_side_are_found(
+    tmp_path: Path, axis: str, second: str, more: str, count: int, drawn: bool
+) -> None:
+    ahead = '<visual><origin xyz="0.05 0 0"/><geometry><box size="0.1 0.01 0.02"/></geometry></visual>'
+    part = ahead if drawn else inertial(0.1, 1e-4, com="0.05 0 0")
+    parts = ['<link name="palm"/>']
+    for number, y in ((1, 0.02), (2, -0.02)):
+        bounds = second if number == 2 else 'lower="0" upper="0.5"'
+        limit = f'<limit {bounds} effort="2" velocity="5"/>{more * (number == 2)}'
+        parts.append(f'<link name="finger_{number}">{part}</link>')
+        parts.append(
+            joint(
+                f"finger_{number}_joint", "palm", f"finger_{number}", limit,
+                kind="revolute", xyz=f"0 {y} 0", axis=axis if number == 2 else "0 0 1",
+            )
+        )  # fmt: skip
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["together"] * count
+
+
+def test_tips_of_fingers_swing_like_the_fingers(tmp_path: Path) -> None:
+    """Fingers that are side by side bend together; the tips of two that face each other do not."""
+    for across, count in (("0 0.02 0", 1), ("0 0 0.02", 0)):
+        parts = ['<link name="palm"/>']
+        for side, sign in (("l", ""), ("r", "-")):
+            xyz = " ".join(sign + word if word != "0" else word for word in across.split())
+            limit = '<limit lower="0" upper="0.5" effort="2" velocity="5"/>'
+            for name, parent, place, axis in (
+                (f"{side}_finger", "palm", xyz, f"0 0 {sign}1" if count else "0 0 1"),
+                (f"{side}_finger_tip", f"{side}_finger", "0.1 0 0", "0 0 1"),
+            ):
+                parts.append(f'<link name="{name}">{inertial(0.1, 1e-4, com="0.05 0 0")}</link>')
+                parts.append(joint(f"{name}_joint", parent, name, limit, kind="revolute", xyz=place, axis=axis))
+        found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+        assert [finding.message_id for finding in found] == ["together"] * count
 
 
 @pytest.mark.parametrize(("axis", "count"), [("1 0 0", 1), ("0 0 1", 1), ("0 1 0", 0), ("0 -1 0", 0)])

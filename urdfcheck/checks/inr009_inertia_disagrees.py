@@ -13,7 +13,6 @@ from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
-from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
@@ -33,6 +32,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     has_unknown_mass,
     is_approximation,
     is_box_of_one_shape,
+    is_chance_decimal,
     is_hull_enough,
     is_light,
     is_mark,
@@ -86,7 +86,6 @@ AMBIGUOUS_CAUSES = frozenset({"other_mass", "one_piece"})
 _TOLD_BY_ITSELF = frozenset({"shell", "com_missing", "mesh_scale"})
 # Mistakes about the tensor that are made where mass properties are read from a CAD program.
 _CAD_MISTAKES = frozenset({"about_origin", "positive_notation", "products_sign", "steiner_missing", "steiner_twice"})
-_DECIMAL_POINTS = frozenset({"decimal_point", "decimal_point_of_all"})
 # A part of an accessory that is lighter (kg, chosen) hardly moves the COM of the robot that carries it.
 _LIGHT = 0.2
 # A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
@@ -187,13 +186,11 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
     moments = {tensor.texts[place] for place in (0, 3, 5)}
     if cause == "rounded" and len(moments) == 1 and "e" in moments.pop().lower():
         return True  # one small number with an exponent, not decimals that were lost
-    if cause == "rounded" and _is_typed_like_others(model, tensor):
-        return True
     if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
         return True
     if _draws_other_link(model, tensor.link, judged):
         return True  # SYM003 and SYM004 report both
-    return cause in _DECIMAL_POINTS and _is_typed_like_others(model, tensor)
+    return is_chance_decimal(model, tensor, judged)
 
 
 def _draws_other_link(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
@@ -226,15 +223,6 @@ def _compute_mass_of_body(model: Model, link: Link) -> float:
         return compute_body_mass(model, model.pieces.list_body_links(link.name)) or 0.0
     except FactUnavailableError:
         return 0.0
-
-
-def _is_typed_like_others(model: Model, tensor: DeclaredTensor) -> bool:
-    """Whether a tensor is a typed number times the identity, as that of a link of another mass or shape is (INR007): of numbers
-    that were made up, one is a power of ten off by chance."""
-    if describe_placeholder(tensor.inertial.mass or 0.0, tensor.components) is None:
-        return False
-    others = [one for one in model.tensors if one.link is not tensor.link]
-    return any(describe_placeholder(one.inertial.mass or 0.0, one.components) is not None for one in others)
 
 
 def _is_unproven(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
@@ -441,7 +429,7 @@ def _build_cause_finding(
     drawn_twin = _find_drawn_twin(model, link, judged)
     if drawn_twin is not None:
         message = "rotated"
-    mild = cause in MILD_CAUSES or is_light(model, link) or is_slight(model, link, judged)
+    mild = cause in MILD_CAUSES or is_light(model, link, diagnosis.mended) or is_slight(model, link, judged)
     is_bolted = link.name in list_bolted_links(model)
     mild |= message != "exact" and is_bolted and not is_beyond_reach(model, float(np.linalg.norm(judged.declared.com)))
     # An accessory, such as a camera, is a small part of the robot that carries it.

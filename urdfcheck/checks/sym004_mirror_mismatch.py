@@ -30,6 +30,7 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
+from urdfcheck.model.inertials.inertial_effects import is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
@@ -200,11 +201,12 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "between": _list_subjects(both[0].link, both[1].link),
         **_collect_cause_data(both, why),
     }
+    share = max(deviation.worst, shares.differ) if why.is_slip else deviation.worst
     place: dict[str, Any] = {
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
         "related": [_locate_difference(model, side.twin, shown.deviation, note=note)],
         "cause": cause,
-        "severity": shares.choose_severity(deviation.worst, pair, cause),
+        "severity": shares.choose_severity(share, pair, cause),
         "consequences": _describe_consequences(model, pair, deviation, note),
     }
     shared = _has_shared_inertial(side)
@@ -216,8 +218,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
         if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
             # Neither was right before it was copied.
-            cause = None if why.slip is None else cause
-            place |= {"cause": cause, "severity": shares.choose_severity(deviation.worst, pair, cause)}
+            cause = cause if why.is_slip else None
+            place |= {"cause": cause, "severity": shares.choose_severity(share, pair, cause)}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
@@ -317,6 +319,11 @@ class _Explanation:
     axis: str = ""
     """The axis about which half a turn makes one side's numbers those of the other."""
 
+    @property
+    def is_slip(self) -> bool:
+        """Whether one slip explains all of the difference: it is one however small the difference is."""
+        return self.slip is not None or self.cause == "rounded"
+
 
 def _explain_difference(
     model: Model,
@@ -339,7 +346,7 @@ def _explain_difference(
         return _Explanation(cause=cause)
     slip = find_side_slip(both, note)
     if slip is not None and (not is_decided or slip.is_either or both[not slip.is_first].link is side.link):
-        return _Explanation(cause=_name_slip(slip), slip=slip)
+        return _Explanation(cause=_name_slip(slip, [one.actual for one in both]), slip=slip)
     copied = find_copied_side(model, both[0].link, both[1].link)
     if copied is not None and (not is_decided or copied[0] is side.link):
         return _Explanation(cause="other_part", copied=copied)
@@ -462,6 +469,8 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
+        if diagnosed is not None and is_chance_decimal(model, model.tensor_by_name[name], diagnosed):
+            cause = None  # INR009 reports none either
         causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
         if diagnosed is not None:
             declared.append(diagnosed.declared)
@@ -478,12 +487,13 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     if sides is None:
         return None
     deviation, slip, note = sides.deviation, sides.slip, shares.note
-    share = deviation.worst if slip is None else max(deviation.worst, shares.differ)
+    is_slip = slip is not None or sides.lost is not None
+    share = max(deviation.worst, shares.differ) if is_slip else deviation.worst
     # Without a cause, a few percent are two exports, and sides that nothing shows to be one part may be two.
     is_doubtful = not sides.is_explained and (
         share < shares.differ or not (sides.are_drawn or sides.is_of_one_part(note))
     )
-    severity = Severity.WARNING if slip is not None else shares.choose_severity(share, pair)
+    severity = Severity.WARNING if is_slip else shares.choose_severity(share, pair)
     repair = "compare both with the CAD model, and give the wrong one the mirrored numbers of the other"
     return rule.finding(
         "moments",
@@ -510,9 +520,11 @@ def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
     """Return the id of the cause on the page."""
     if sides.typed is not None:
         return "placeholder"
-    if sides.slip is not None and all(map(_has_power_of_ten, sides.numbers)):
-        return None  # two placeholders, 0.1 and 0.001, are a power of ten apart whatever the reason
-    return _name_slip(sides.slip) if sides.slip is not None else "other_part" if sides.copied is not None else None
+    if sides.lost is not None:
+        return "com_missing"
+    if sides.slip is not None:
+        return _name_slip(sides.slip, sides.numbers)
+    return "other_part" if sides.copied is not None else None
 
 
 def _has_power_of_ten(numbers: DeclaredInertial) -> bool:
@@ -540,8 +552,11 @@ def _collect_cause_data(both: Sequence[PairSide], why: _Explanation) -> dict[str
     }
 
 
-def _name_slip(slip: TwinSlip) -> str:
-    """Return the id of the cause on the page."""
+def _name_slip(slip: TwinSlip, numbers: Iterable[DeclaredInertial]) -> str | None:
+    """Return the id of the cause on the page; None for two placeholders: 0.1 and 0.001 are a power of ten apart whatever the
+    reason."""
+    if all(map(_has_power_of_ten, numbers)):
+        return None
     if slip.is_either:
         return "decimal"
     return {"inertia_unit": "unit", "mass_unit": "mass_unit"}.get(slip.mistake.id, "slip")

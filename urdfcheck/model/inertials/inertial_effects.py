@@ -42,6 +42,7 @@ APPROXIMATIONS = frozenset({"bounding_box", "convex_hull", "one_piece", "shell"}
 # A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
 # less than these metres, is worth an info: a motor or a cover changes as much.
 SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+_DECIMALS = frozenset({"decimal_point", "decimal_point_of_all", "rounded"})
 # A link of a gram (kg) or less, that is less than this share of its robot.
 _MARK, _MARK_SHARE = 1e-3, 1e-3
 # A box is that of a tensor to within this share, and its centre the COM to within this share of its diagonal.
@@ -58,6 +59,15 @@ def measure_mismatch(diagnosis: Diagnosis, *, is_mended: bool) -> float:
 def is_placeholder(tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
     """Whether the tensor was typed rather than computed: INR007 reports it where it matters."""
     return describe_placeholder(judged.declared.mass, tensor.components) is not None
+
+
+def is_chance_decimal(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether a tensor with another decimal point, or fewer decimals, is a typed number times the identity, and so is another
+    link's (INR007): of numbers that were made up, one is a power of ten off, or the rounded one, by chance."""
+    if judged.diagnosis.cause not in _DECIMALS or not is_placeholder(tensor, judged):
+        return False
+    others = [one for one in model.tensors if one.link is not tensor.link]
+    return any(describe_placeholder(one.inertial.mass or 0.0, one.components) is not None for one in others)
 
 
 def measure_difference(numbers: DeclaredInertial, drawn: VisualGeometry) -> float:
@@ -180,12 +190,16 @@ def is_mark(model: Model, mass: float) -> bool:
     return mass <= _MARK and mass < _MARK_SHARE * sum(declared.mass for declared in model.masses)
 
 
-def is_light(model: Model, link: Link) -> bool:
-    """Whether the link is a small part of a rigid body, whose motion its numbers hardly change."""
+def is_light(model: Model, link: Link, mended: DeclaredInertial | None = None) -> bool:
+    """Whether the link is a small part of a rigid body, whose motion its numbers hardly change: also with the ``mended`` ones,
+    for a mass that lost a decimal makes any part light."""
     try:
         body = model.pieces.list_body_links(link.name)
     except FactUnavailableError:
         return False
     whole = compute_body_mass(model, body)
     mass = None if link.inertial is None else link.inertial.mass
-    return len(body) > 1 and whole is not None and mass is not None and mass < LIGHT * whole
+    if len(body) == 1 or whole is None or mass is None:
+        return False
+    lost = 0.0 if mended is None else max(0.0, mended.mass - mass)
+    return mass + lost < LIGHT * (whole + lost)

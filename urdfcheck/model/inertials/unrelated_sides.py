@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 
 import numpy as np
@@ -22,6 +23,9 @@ from urdfcheck.model.likeness.mirror_pairs import MirrorPair
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 
+# A COM is away from the frame from this share of the radius of gyration on (chosen).
+_FAR_COM = 0.1
+
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class UnlikeSides:
@@ -37,14 +41,16 @@ class UnlikeSides:
     """The side whose tensor was typed, where the other's was computed."""
     copied: tuple[Link, Link] | None
     """The side with the numbers of a link that is not a counterpart of either, and that link."""
+    lost: Link | None
+    """The side whose COM is 0 0 0, where that of the other is not, and all else agrees."""
     are_drawn: bool
     """Whether the shapes of both sides are known."""
 
     @property
     def wrong(self) -> Link:
         """The side that is wrong; the second one where nothing shows it."""
-        if self.typed is not None:
-            return self.typed
+        if (known := self.typed or self.lost) is not None:
+            return known
         is_first = self.slip.is_first if self.slip is not None else False
         return self.one if is_first or (self.copied is not None and self.copied[0] is self.one) else self.other
 
@@ -56,7 +62,7 @@ class UnlikeSides:
     @property
     def is_explained(self) -> bool:
         """Whether the cause of the difference is known."""
-        return self.slip is not None or self.typed is not None or self.copied is not None
+        return any(found is not None for found in (self.slip, self.typed, self.copied, self.lost))
 
     @property
     def ratio(self) -> float:
@@ -86,7 +92,8 @@ class UnlikeSides:
 def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float) -> UnlikeSides | None:
     """Compare the inertials of a named pair whose drawings are not related; None where they agree or may differ.
 
-    Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts. Sides
+    Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts, and the
+    numbers of a third link. Sides
     that carry other joints, such as a finger with a suction pad, are other parts.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
@@ -98,9 +105,13 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
     if first is None or second is None:
         return None
     deviation, slip = measure_principal_deviation(second, first), find_slip_between_twins(first, second)
-    if slip is None and not (pair.is_in_place and deviation.worst > threshold and _carry_alike(model, one, other)):
+    lost = _find_lost_com((first, second)) if pair.is_in_place and deviation.worst <= threshold else None
+    is_unlike = deviation.worst > threshold or lost is not None
+    copied = find_copied_side(model, one, other) if slip is None and is_unlike else None
+    is_comparable = pair.is_in_place or copied is not None
+    if slip is None and not (is_comparable and is_unlike and _carry_alike(model, one, other)):
         return None
-    if slip is None and fit_own_drawings_alike(model, one, other, threshold=threshold):
+    if slip is None and lost is None and fit_own_drawings_alike(model, one, other, threshold=threshold):
         return None
     return UnlikeSides(
         one=one,
@@ -109,7 +120,8 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
         deviation=deviation,
         slip=slip,
         typed=find_typed_side(one, other) if slip is None and deviation.spread > threshold else None,
-        copied=None if slip is not None else find_copied_side(model, one, other),
+        copied=copied,
+        lost=None if slip is not None or lost is None else (one, other)[lost],
         are_drawn=pair.drawn_as is not None,
     )
 
@@ -119,6 +131,16 @@ def describe_slip(slip: TwinSlip) -> str:
     if slip.mistake.id == "com_unit":
         return f"the COM in {slip.mistake.detail}"
     return describe_mistake(slip.mistake.id, slip.mistake.detail)
+
+
+def _find_lost_com(numbers: tuple[DeclaredInertial, DeclaredInertial]) -> int | None:
+    """Return which of two COMs is 0 0 0, where the other one is as far from its frame as matters; None where neither is."""
+    is_zero = [not one.com.any() for one in numbers]
+    if is_zero[0] == is_zero[1]:
+        return None
+    far = numbers[is_zero[0]]
+    radius = math.sqrt(float(np.trace(far.inertia)) / (2.0 * far.mass))
+    return is_zero.index(True) if float(np.linalg.norm(far.com)) > _FAR_COM * radius else None
 
 
 def _carry_alike(model: Model, one: Link, other: Link) -> bool:

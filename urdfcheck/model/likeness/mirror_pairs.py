@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
 
@@ -184,7 +184,11 @@ def _match_group(model: Model, group: Sequence[tuple[str, str]]) -> Iterator[Mir
     for link in (_find_common_body(model, *group[0]), _find_common_link(model, *group[0])):
         # A link that is fixed to the body by angles like 1.57 has axes beside those of the body.
         normals += [axis for axis in model.frames[link][:3, :3].T if not any((axis == n).all() for n in normals)]
-    fitted = _fit_mirror_plane(model, single or group, normals) or _fit_nearest_pairs(model, single, normals)
+    fitted = (
+        _fit_mirror_plane(model, single or group, normals)
+        or _fit_some_pairs(model, single, normals, _hang_on_one_link)
+        or _fit_some_pairs(model, single, normals, _are_moved)
+    )
     if fitted is None:
         return
     plane, agreeing = fitted
@@ -220,17 +224,30 @@ def _fit_mirror_plane(
     return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals=normals, tolerance=PLACE)
 
 
-def _fit_nearest_pairs(
-    model: Model, group: Sequence[tuple[str, str]], normals: Sequence[Array]
+def _fit_some_pairs(
+    model: Model,
+    group: Sequence[tuple[str, str]],
+    normals: Sequence[Array],
+    counts: Callable[[Model, str, str], bool],
 ) -> tuple[MirrorPlane, int] | None:
-    """Fit the plane to the pairs that hang on one link only, where it is across an axis: a joint out of its place takes all pairs
-    behind it along, which may be most of the group."""
-    before = model.tree.parent_joint
-    nearest = [names for names in group if before[names[0]].parent == before[names[1]].parent]
-    if not nearest or len(nearest) == len(group):
+    """Fit the plane to some pairs only, where it is across an axis."""
+    some = [names for names in group if counts(model, *names)]
+    if not some or len(some) == len(group):
         return None
-    fitted = _fit_mirror_plane(model, nearest, normals)
+    fitted = _fit_mirror_plane(model, some, normals)
     return fitted if fitted and any(abs(float(fitted[0].normal @ normal)) > _PARALLEL for normal in normals) else None
+
+
+def _hang_on_one_link(model: Model, one: str, other: str) -> bool:
+    """Whether two links hang on one: a joint out of its place takes all pairs behind it along, which may be most of the group."""
+    before = model.tree.parent_joint
+    return before[one].parent == before[other].parent
+
+
+def _are_moved(model: Model, one: str, other: str) -> bool:
+    """Whether joints move both links: sensors, marks and covers are where there is room for them."""
+    before = model.tree.parent_joint
+    return before[one].is_movable and before[other].is_movable
 
 
 def _refit_without_hinges(

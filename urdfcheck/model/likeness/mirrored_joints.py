@@ -34,6 +34,8 @@ _EXACT = 1e-9
 _NEGATIVE = 2e-3
 # Limits that were typed alike agree to within the digits of a conversion.
 _DIGITS = 1e-6
+# Ranges of two sides are about the same within this share of them (chosen).
+_NEARLY = 0.05
 # From so many pairs of twins on, limits of which most differ in digits were measured on the machine.
 _MEASURED_PAIRS = 4
 # A joint that is out of place by a turn of its parent is as far from the parent's axis as its twin, to the digits (m) of a CAD
@@ -58,7 +60,7 @@ class MismatchedLimit:
     agreeing_joints: tuple[str, ...]
     """Joints elsewhere that have the twin's limits, when enough do and none has this joint's."""
     is_axis_negated: bool
-    """Whether it has the twin's range as it is, and as its axis the negative of the twin's: one of the two is too much."""
+    """Whether it has about the twin's range as it is, and as its axis the negative of the twin's: one of the two is too much."""
     is_about_normal: bool
     """Whether both axes are along the normal of the mirror plane, and the limits are those of the twin with their signs changed:
     they would fit axes in the plane."""
@@ -151,10 +153,16 @@ def find_mismatched_limit(
         twin=twin,
         expected=expected,
         copied=copied,
-        is_axis_negated=copied and _has_negated_axis(model, joints),
+        is_axis_negated=is_range and _is_nearly_copied(twin, joint) and _has_negated_axis(model, joints),
         agreeing_joints=like[first_is_wrong] if decided else (),
         is_about_normal=negated and _is_about_normal(model, pair, twin),
     )
+
+
+def _is_nearly_copied(one: Joint, other: Joint) -> bool:
+    """Whether two ranges are the same but for what sides of one robot differ in."""
+    (a, b), (c, d) = _get_bounds(one), _get_bounds(other)
+    return max(abs(a - c), abs(b - d)) <= _NEARLY * max(b - a, d - c)
 
 
 def _is_about_normal(model: Model, pair: MirrorPair, joint: Joint) -> bool:

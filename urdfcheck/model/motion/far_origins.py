@@ -160,10 +160,20 @@ def _confirm_by_others(
                 continue
         # The COM of a long shaft, which may have short joints only, is in its middle. No shaft between joints is that long.
         is_shaft = not joint.is_movable or length < limits.least_fixed
+        if is_shaft and not (len(parent.points) and len(child.points)) and _is_amid_joints(model, joint, lengths):
+            is_shaft = False  # nor is any in an arm, of whose parts nothing says that one is a shaft
         if far.gap is None and is_shaft and length <= limits.undrawn * others and between < _NO_SHAFT * length:
             continue
         found.append(far)
     return found
+
+
+def _is_amid_joints(model: Model, joint: Joint, lengths: Mapping[str, float]) -> bool:
+    """Whether a joint that moves is one of a chain: one that moves hangs on it, and there are enough others that are apart to say
+    how long its parts are."""
+    others = [one for one in model.joints if one.is_movable and one is not joint and lengths.get(one.name, 0.0) > _ZERO]
+    carries = any(joint in model.tree.find_path_to(one.parent) for one in others)
+    return joint.is_movable and carries and len(others) >= LEAST_JOINTS
 
 
 def _confirm_by_parts(

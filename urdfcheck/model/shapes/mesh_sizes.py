@@ -172,10 +172,12 @@ def _weighs_as_drawn(model: Model, use: MeshUse) -> bool:
 
 
 def _find_usual_scale(model: Model) -> float:
+    """Return the scale that most uses of meshes have along all axes, whatever its signs, if it converts a unit: any other is that
+    of parts that were made longer, and says nothing about a unit; else 1."""
     scales = [tuple(abs(part) for part in use.shape.size) for use in model.meshes.uses if use.shape.size is not None]
     counts = Counter(scale[0] for scale in scales if len(set(scale)) == 1)
     usual, count = max(counts.items(), key=lambda item: (item[1], item[0]), default=(1.0, 0))
-    return usual if 2 * count > len(scales) else 1.0
+    return usual if 2 * count > len(scales) and usual < _MAX_CONVERSION_SCALE else 1.0
 
 
 def _measure_reach(model: Model) -> float:

@@ -8,6 +8,7 @@ from itertools import combinations
 import numpy as np
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.core.text import split_name_words
 from urdfcheck.model.likeness.mirror_pairs import PLACE, list_named_pairs
 from urdfcheck.model.likeness.origin_slips import OriginSlip, is_taken_back
 from urdfcheck.model.likeness.side_names import remove_places
@@ -21,6 +22,8 @@ _LEAST, _LEAST_OFF = 2e-3, 5e-3
 # So many other pairs are mirror images. One is enough where the decimal point slipped: to this share, three typed digits.
 _WITNESSES, _ROUNDED = 2, 0.005
 _POWERS = (10.0, 100.0, 1000.0)
+# So few digits two numbers share by chance.
+_ROUND_DIGITS = 2
 # So many joints of one kind hang on one link; more are an array.
 _FEWEST, _MOST = 4, 16
 
@@ -47,7 +50,7 @@ def iter_lone_coordinates(model: Model) -> Iterator[OriginSlip]:
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     reported: set[str] = set()
-    for pair in (*_find_in_named_pairs(model), *_find_on_one_link(model)):
+    for pair in (*_find_in_named_pairs(model), *_find_on_one_link(model), *_find_slipped_points(model)):
         names = {pair.one.name, pair.other.name}
         if not names & reported and _moves_axis(model, pair) and not is_taken_back(model, pair.other, pair.one):
             reported |= names
@@ -97,15 +100,19 @@ def _is_slipped_point(pair: _Pair) -> bool:
 
 
 def _is_mirrored_but_for_a_point(pair: _Pair) -> bool:
-    """Whether two joints on one link are mirror images but for the decimal point of the coordinate that has opposite signs.
+    """Whether two joints on one link are mirror images but for the decimal point of one coordinate.
 
     A part that is exactly ten times as far to one side as its counterpart to the other is hardly meant: that needs no other pair.
+    Nor does one that is as far to its side, and ten times as far ahead; where all other coordinates are zero, digits that are
+    not round show that the two are one number.
     """
-    if pair.lone is None or not pair.is_shown or pair.one.parent != pair.other.parent:
+    if pair.lone is None or pair.one.parent != pair.other.parent:
         return False
     first, second = ((joint.origin.xyz or (0.0, 0.0, 0.0))[pair.lone] for joint in (pair.one, pair.other))
     small, large = sorted((abs(first), abs(second)))
-    return first * second < 0 and any(abs(large - power * small) <= 1e-9 * large for power in _POWERS)
+    is_shown = pair.is_shown or (first * second < 0 and float(f"{small:.{_ROUND_DIGITS - 1}e}") != small)
+    is_mirrored = first * second < 0 or pair.across is not None
+    return is_shown and is_mirrored and any(abs(large - power * small) <= 1e-9 * large for power in _POWERS)
 
 
 def _find_on_one_link(model: Model) -> Iterator[_Pair]:
@@ -122,6 +129,20 @@ def _find_on_one_link(model: Model) -> Iterator[_Pair]:
         splits = [pair for across in range(3) if (pair := _match_images(group, across)) is not None]
         if len(splits) == 1:
             yield splits[0]
+
+
+def _find_slipped_points(model: Model) -> Iterator[_Pair]:
+    """Yield the only two joints of a kind on one link that are mirror images but for a decimal point, at both ends or sides."""
+    groups: dict[object, list[Joint]] = {}
+    for name in model.tree.order[1:]:
+        joint = model.tree.parent_joint[name]
+        words = remove_places(joint.name)
+        if joint.mimic is None and len(words) < len(split_name_words(joint.name)):
+            groups.setdefault((joint.parent, joint.type, words), []).append(joint)
+    for group in groups.values():
+        pair = _compare(*group) if len(group) == 2 else None
+        if pair is not None and _is_mirrored_but_for_a_point(pair):
+            yield pair
 
 
 def _match_images(group: Sequence[Joint], across: int) -> _Pair | None:
@@ -177,5 +198,12 @@ def _make_slip(pair: _Pair) -> OriginSlip:
         keeps_sign = pair.across is None and abs(own[pair.lone]) > _LEAST
         wanted[pair.lone] = np.copysign(twin[pair.lone], own[pair.lone] if keeps_sign else twin[pair.lone])
         expected.append(wanted)
-    kind = "decimal" if _is_mirrored_but_for_a_point(pair) else "coordinate"
-    return OriginSlip(joint=pair.other, twin=pair.one, kind=kind, expected=expected[1], twin_expected=expected[0])
+    if not _is_mirrored_but_for_a_point(pair):
+        return OriginSlip(
+            joint=pair.other, twin=pair.one, kind="coordinate", expected=expected[1], twin_expected=expected[0]
+        )
+    if abs(places[0][pair.lone]) > abs(places[1][pair.lone]):  # the farther one
+        return OriginSlip(
+            joint=pair.one, twin=pair.other, kind="decimal", expected=expected[0], twin_expected=expected[1]
+        )
+    return OriginSlip(joint=pair.other, twin=pair.one, kind="decimal", expected=expected[1], twin_expected=expected[0])

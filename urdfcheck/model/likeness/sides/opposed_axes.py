@@ -12,7 +12,7 @@ import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, list_named_pairs
-from urdfcheck.model.likeness.mirrored_joints import find_pair_joints
+from urdfcheck.model.likeness.mirrored_joints import TURNING, find_pair_joints
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, is_alike
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 _PARALLEL, _ACROSS = 2e-3, 0.1
 # Ends of a range agree within this share of it, with each other or with zero.
 _SAME = 1e-3
-# A slide is one-sided if one end is so many times as far from zero as the other.
+# A range is one-sided if one end is so many times as far from zero as the other.
 _ONE_SIDED = 2.0
+# A finger swings towards the other one, or away from it, if it goes by this share (a cosine) along the line between them.
+_ASIDE = 0.5
 # The parts of a gripper are apart (m) along the line on which they slide, to within this cosine.
 _LEAST_SPACE, _ALONG = 1e-3, 0.9
 _GRIPPER = re.compile(r"finger|jaw|grip|claw|pinc|tong|effector|(?<![a-z])ee(?![a-z])", re.IGNORECASE)
@@ -44,7 +46,7 @@ class OpposedAxes:
     twin: Joint
     kind: Kind
     """``opposed``: left and right bend to opposite sides, unlike those of ``others``. ``steering``: so do steered wheels.
-    ``together``: the two parts of a gripper slide the same way. ``crosswise``: they slide along two lines."""
+    ``together``: the two parts of a gripper go the same way. ``crosswise``: they slide along two lines."""
     others: tuple[Joint, ...] = ()
 
 
@@ -56,6 +58,7 @@ def iter_opposed_axes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Opp
     yield from _find_bending_apart(model, pairs)
     yield from _find_steering_apart(model)
     yield from _find_sliding_apart(model)
+    yield from _find_turning_apart(model)
 
 
 def _find_bending_apart(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[OpposedAxes]:
@@ -111,52 +114,110 @@ def _find_sliding_apart(model: Model) -> Iterator[OpposedAxes]:
     """Yield two fingers of a gripper that slide to the same side, or along two lines."""
     slides = [joint for joint in model.joints if joint.type == "prismatic" and joint.name in model.axes]
     for one, other in combinations(slides, 2):
-        if one.parent != other.parent or not all(_GRIPPER.search(f"{j.name} {j.child}") for j in (one, other)):
+        if one.parent != other.parent or not _is_gripper(one, other):
             continue
         siblings = [joint for joint in slides if joint.parent == one.parent]
         if len(siblings) != 2 or is_alike(model, one.child, other.child) is False:
             continue
         if abs(float(model.axes[one.name] @ model.axes[other.name])) < _ACROSS:
             yield _order(one, other, "crosswise")
-        ways = _compute_ways(model, one, other)
+        ways, apart = _compute_ways(model, one, other), _compute_way_between(model, one, other)
         if ways is None or float(ways[0] @ ways[1]) < (1 - _PARALLEL) * float(np.linalg.norm(ways[0]) ** 2):
             continue
-        places = [compute_centroid(model, joint.child) for joint in (one, other)]
-        if places[0] is None or places[1] is None:
-            continue
-        apart = places[1] - places[0]
-        space = float(np.linalg.norm(apart))
-        if space > _LEAST_SPACE and abs(float(apart @ model.axes[one.name])) > _ALONG * space:
+        if apart is not None and abs(float(apart @ model.axes[one.name])) > _ALONG * float(np.linalg.norm(apart)):
             yield _order(one, other, "together")
 
 
+def _is_gripper(*joints: Joint) -> bool:
+    return all(_GRIPPER.search(f"{joint.name} {joint.child}") for joint in joints)
+
+
+def _find_turning_apart(model: Model) -> Iterator[OpposedAxes]:
+    """Yield two fingers of a gripper that swing to the same side."""
+    hinges = [joint for joint in model.joints if joint.type == "revolute" and joint.name in model.axes]
+    fingers = [joint for joint in hinges if _is_gripper(joint)]
+    for one, other in combinations(fingers, 2):
+        if not _are_only_two(model, one, other) or is_alike(model, one.child, other.child) is False:
+            continue
+        ways, apart = _compute_ways(model, one, other), _compute_way_between(model, one, other)
+        if ways is None or apart is None:
+            continue
+        first, second = (_compute_swing(model, joint, way) for joint, way in zip((one, other), ways, strict=True))
+        along = [float(swing @ apart) / float(np.linalg.norm(apart)) for swing in (first, second)]
+        if min(along) * max(along) > 0 and all(
+            abs(part) > _ASIDE * float(np.linalg.norm(swing))
+            for part, swing in zip(along, (first, second), strict=True)
+        ):
+            yield _order(one, other, "together")
+
+
+def _are_only_two(model: Model, one: Joint, other: Joint) -> bool:
+    """Whether two hinges are the only ones on their link, or each is the only one on the part of such a finger: the tips."""
+    hinges = [
+        [joint for joint in model.tree.child_joints[place.parent] if joint.type in TURNING] for place in (one, other)
+    ]
+    if one.parent == other.parent:
+        return len(hinges[0]) == 2
+    before = [model.tree.parent_joint.get(joint.parent) for joint in (one, other)]
+    if before[0] is None or before[1] is None or not all(len(joints) == 1 for joints in hinges):
+        return False
+    are_fingers = all(joint.type in TURNING and _is_gripper(joint) for joint in before if joint is not None)
+    return are_fingers and _are_only_two(model, before[0], before[1])
+
+
+def _compute_swing(model: Model, joint: Joint, way: Array) -> Array:
+    """Compute where the part of a hinge begins to go (3,), in m, when it turns by a ``way`` (3,) in rad."""
+    place = _find_place(model, joint.child)
+    arm = np.zeros(3) if place is None else place - model.frames[joint.child][:3, 3]
+    swing: Array = np.cross(way, arm)
+    return swing
+
+
+def _find_place(model: Model, name: str) -> Array | None:
+    """Find where a link's part is (3,), in root coordinates: what it draws, or else its COM, which is not where nobody filled it
+    in; None where neither is known."""
+    drawn, inertial = compute_centroid(model, name), model.link_by_name[name].inertial
+    com = None if inertial is None else inertial.origin.xyz
+    if drawn is not None or com is None or not any(com):
+        return drawn
+    place: Array = model.frames[name][:3, :3] @ np.array(com) + model.frames[name][:3, 3]
+    return place
+
+
+def _compute_way_between(model: Model, one: Joint, other: Joint) -> Array | None:
+    """Compute the way (3,) in m from the part of one joint to that of the other; None where either is not known, or both are in
+    one place."""
+    places = [_find_place(model, joint.child) for joint in (one, other)]
+    if places[0] is None or places[1] is None:
+        return None
+    apart: Array = places[1] - places[0]
+    return apart if float(np.linalg.norm(apart)) > _LEAST_SPACE else None
+
+
 def _compute_ways(model: Model, one: Joint, other: Joint) -> tuple[Array, Array] | None:
-    """Compute where two slides go (3,) from zero to the far ends of their ranges (m), where these are as long; None where a
-    range is on both sides of zero."""
-    follower, leader = (one, other) if one.mimic is not None else (other, one)
-    far = _get_far_end(leader)
-    if far is None:
+    """Compute the ways (3,) of two joints along or about their axes (m or rad) from zero to the far ends of their ranges, where
+    these are as long; None where a range is on both sides of zero."""
+    ends = [_get_far_end(model, joint) for joint in (one, other)]
+    if ends[0] is None or ends[1] is None or abs(abs(ends[1]) - abs(ends[0])) > _SAME * abs(ends[0]):
         return None
-    if follower.mimic is not None:
-        target = follower.mimic.attributes.get("joint")
-        if target is None or target.value != leader.name or leader.mimic is not None:
+    return ends[0] * model.axes[one.name], ends[1] * model.axes[other.name]
+
+
+def _get_far_end(model: Model, joint: Joint) -> float | None:
+    """Return the end of a joint's range that is far from zero (m or rad), or where it is at that of the joint that it follows;
+    None where both are far."""
+    leader, factor = joint, 1.0
+    if joint.mimic is not None:
+        target, multiplier = joint.mimic.attributes.get("joint"), read_attribute_number(joint.mimic, "multiplier")
+        named = [one for one in model.joints if target is not None and one.name == target.value]
+        if len(named) != 1 or named[0].mimic is not None:
             return None
-        factor = read_attribute_number(follower.mimic, "multiplier")
-        end: float | None = far if factor is None else factor * far
-    else:
-        end = _get_far_end(follower)
-    if end is None or abs(abs(end) - abs(far)) > _SAME * abs(far):
-        return None
-    return far * model.axes[leader.name], end * model.axes[follower.name]
-
-
-def _get_far_end(joint: Joint) -> float | None:
-    """Return the end of a range that is far from zero (m); None where both are."""
-    both = _get_range(joint)
+        leader, factor = named[0], 1.0 if multiplier is None else multiplier
+    both = _get_range(leader)
     if not all(map(math.isfinite, both)):
         return None
     near, far = sorted(both, key=abs)
-    return far if abs(far) > _ONE_SIDED * abs(near) else None
+    return factor * far if abs(far) > _ONE_SIDED * abs(near) else None
 
 
 def _get_range(joint: Joint) -> tuple[float, float]:
