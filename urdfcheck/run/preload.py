@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 # What the process of the command and the worker both need.
-PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit")
+PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit", "urdfcheck.policy.config_resolver")
 # Scopes of the checks that run on most models and in their packages.
 _CHECKED_ALWAYS = frozenset({"file", "model", "package"})
 
