@@ -14,7 +14,7 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.system.cache_folder import write_atomically
+from urdfcheck.system.cache_folder import note_use, write_atomically
 from urdfcheck.system.installation import compute_installation_stamp
 from urdfcheck.system.observing.observations import Observations, Recheck
 from urdfcheck.system.observing.questions import compute_sha256
@@ -101,7 +101,7 @@ class Replays:
         except Exception:  # zlib and pickle raise many kinds for a damaged file
             return None
         with contextlib.suppress(OSError):
-            os.utime(path)  # its last use: see `ArrayCache.trim`
+            note_use(path)
         return result, observations
 
     def _digest_file(self, path: Path) -> str:
