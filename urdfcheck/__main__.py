@@ -19,7 +19,10 @@ def main() -> int:
     from urdfcheck import cli
 
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(cli.FAILED))  # and clean up on the way out
-    return cli.main(working_folders=folders)
+    code = cli.main(working_folders=folders)
+    # The process ends, and its memory with it: Python would look through all of it for garbage twice.
+    gc.freeze()
+    return code
 
 
 def _drop_working_folders() -> list[str]:

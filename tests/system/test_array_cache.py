@@ -138,13 +138,23 @@ def test_what_was_used_last_is_kept(tmp_path: Path) -> None:
     for number in range(4):
         cache.entry("kind", f"{KEY}{number}")["part"] = {"a": np.zeros(1000)}
     for age, file in enumerate(files_of(tmp_path)):
-        os.utime(file, (time.time() - 100 * (age + 1),) * 2)
+        os.utime(file, (time.time() - 10_000 * (age + 1),) * 2)
     assert "part" in ArrayCache(tmp_path).entry("kind", f"{KEY}3")  # the oldest, used now
     size = files_of(tmp_path)[0].stat().st_size
     cache.trim(2 * size)
     assert [f.parent.name[-1] for f in files_of(tmp_path)] == ["0", "3"]
     cache.clear()
     assert not files_of(tmp_path, "*.*")
+
+
+def test_a_use_is_noted_once_an_hour(tmp_path: Path) -> None:
+    cache = ArrayCache(tmp_path)
+    cache.entry("kind", KEY)["part"] = {"a": np.zeros(10)}
+    (file,) = files_of(tmp_path)
+    for age, is_noted in ((60, False), (4000, True)):
+        os.utime(file, (before := time.time() - age,) * 2)
+        assert "part" in ArrayCache(tmp_path).entry("kind", KEY)
+        assert (file.stat().st_mtime > before + 1) is is_noted
 
 
 def test_an_entry_goes_as_a_whole(tmp_path: Path) -> None:
@@ -154,7 +164,7 @@ def test_an_entry_goes_as_a_whole(tmp_path: Path) -> None:
         entry = cache.entry("kind", f"{KEY}{number}")
         entry["small"], entry["large"] = {"a": np.zeros(10)}, {"a": np.zeros(5000)}
     for file in files_of(tmp_path):
-        os.utime(file, (time.time() - 1000 - 100 * (file.parent.name[-1] == "0"),) * 2)
+        os.utime(file, (time.time() - 10_000 - 100 * (file.parent.name[-1] == "0"),) * 2)
     assert "small" in ArrayCache(tmp_path).entry("kind", f"{KEY}0")
     cache.trim(60_000)
     assert [f.parent.name[-1] for f in files_of(tmp_path)] == ["0", "0"]

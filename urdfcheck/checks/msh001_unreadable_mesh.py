@@ -6,8 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.mesh.decode_limits import MeshError
-from urdfcheck.facts.mesh.formats.collada import NOT_VECTORS
+from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh

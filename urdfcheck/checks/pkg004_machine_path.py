@@ -6,12 +6,14 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field
+from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import (
     ResourceUse,
@@ -127,14 +129,21 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
 
 def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:
     """Return the file that the end of a path, a folder and a name at least, names in the model's folder or in one around it."""
-    parts = path.as_posix().replace("\\", "/").split("/")
-    folders = source.finder.list_parent_folders()
-    for start in range(1, len(parts) - 1):
-        for folder in folders:
-            place = folder.joinpath(*parts[start:])
-            if source.finder.can_open(place) and os.path.isfile(place):
-                return place if not use.resource.exists or _is_same_file(place, path) else None
+    *parents, name = path.as_posix().replace("\\", "/").split("/")
+    for folder in _list_folders_by_ending(tuple(parents), source.finder):
+        place = folder / name
+        if source.finder.can_open(place) and os.path.isfile(place):
+            return place if not use.resource.exists or _is_same_file(place, path) else None
     return None
+
+
+@lru_cache(maxsize=1)  # most files of a model are in one folder
+def _list_folders_by_ending(parents: tuple[str, ...], finder: PackageFinder) -> list[Path]:
+    """Return the folders that the end of a path names in the model's folder or in one around it, the longest end first."""
+    places = (
+        around.joinpath(*parents[start:]) for start in range(1, len(parents)) for around in finder.list_parent_folders()
+    )
+    return [place for place in places if finder.can_open(place) and os.path.isdir(place)]
 
 
 def _is_same_file(first: Path, second: Path) -> bool:

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
 
 
 # What the process of the command and the worker both need.
-PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit")
-# Scopes of the checks that run on most models and in their packages.
-_CHECKED_ALWAYS = frozenset({"file", "model", "package"})
+PARENT_MODULES = ("urdfcheck.run.pipeline", "urdfcheck.run.unit_audit", "urdfcheck.policy.config_resolver")
+# Scopes of the checks that run on every model.
+_CHECKED_ALWAYS = frozenset({"file", "model"})
 
 
 def start_warm_worker(tier: str | None = None, cache: Path | None = None) -> Worker | None:
@@ -48,7 +48,7 @@ def start_warm_worker(tier: str | None = None, cache: Path | None = None) -> Wor
 
 
 def preload_modules(tier: str | None = None) -> None:
-    """Import what the audit of most models needs: no checks whose findings may be in the cache, and none of launch files."""
+    """Import what the audit of most models needs: no checks whose findings may be kept, nor of launch files or packages."""
     from urdfcheck.policy.policy import TIERS
     from urdfcheck.rules import get_check_module, has_check, load_rules
     from urdfcheck.run.findings_cache import is_cacheable

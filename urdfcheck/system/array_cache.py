@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.system.cache_folder import write_atomically
+from urdfcheck.system.cache_folder import note_use, write_atomically
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
 from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, note_content
 
@@ -158,7 +158,7 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
         path = self._get_path(name)
         try:
             arrays = {name: _decode_npy(data) for name, data in _iter_members(path.read_bytes())}
-            os.utime(path)  # its last use: see trim
+            note_use(path)
         except FileNotFoundError:
             raise KeyError(name) from None
         except Exception:  # a damaged file raises many kinds

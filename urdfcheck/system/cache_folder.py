@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import time
 from pathlib import Path
 
 from urdfcheck.system.observing.questions import compute_sha256
@@ -11,6 +12,8 @@ from urdfcheck.system.observing.questions import compute_sha256
 FOLDER_VARIABLE = "URDFCHECK_CACHE_DIR"
 # Everything is kept in a subfolder of this name, because the folder that the user names may hold other files.
 NAME = "urdfcheck-results"
+# Seconds within which a file counts as used at once: a run reads a hundred.
+_SAME_USE = 3600.0
 
 
 def find_default_folder() -> Path | None:
@@ -51,6 +54,12 @@ def write_atomically(path: Path, data: bytes) -> None:
     except OSError:
         with contextlib.suppress(OSError):
             temporary.unlink(missing_ok=True)
+
+
+def note_use(path: Path) -> None:
+    """Note that a file was used now, for :meth:`urdfcheck.system.array_cache.ArrayCache.trim`."""
+    if time.time() - path.stat().st_mtime > _SAME_USE:
+        os.utime(path)
 
 
 def write_checked(path: Path, data: bytes) -> None:

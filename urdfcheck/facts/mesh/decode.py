@@ -16,7 +16,6 @@ import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
-from urdfcheck.facts.mesh.formats.collada import Color, read_collada
 from urdfcheck.facts.mesh.formats.gltf import read_glb_parts, read_gltf_parts
 from urdfcheck.facts.mesh.formats.number_text import TokenizedText
 from urdfcheck.facts.mesh.formats.ply import read_ply
@@ -31,6 +30,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdfcheck.facts.arrays import Array, Indices
+    from urdfcheck.facts.mesh.formats.collada import Color
 
 
 # The characters of plain text.
@@ -252,6 +252,8 @@ def _refuse_bad_indices(faces: Indices, n_vertices: int) -> None:
 
 
 def _decode_dae(data: bytes) -> RawMesh:
+    from urdfcheck.facts.mesh.formats.collada import read_collada  # half of what the readers load
+
     scene = read_collada(data)
     joined = _join_parts("dae", scene.parts)
     return replace(

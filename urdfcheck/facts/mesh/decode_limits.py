@@ -10,6 +10,8 @@ MOST_TRIANGLES = 8_000_000
 MOST_PLACED = 100_000
 # Levels of nodes of a scene; exporters nest them ten deep.
 MOST_NESTED = 256
+# The words of a flaw of COLLADA: accessors that count the numbers of their array.
+NOT_VECTORS = "numbers instead of"
 
 
 class MeshError(Exception):

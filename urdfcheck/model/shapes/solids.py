@@ -8,6 +8,7 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.inertia_tensor import Solid
 
 
@@ -41,7 +42,6 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
     import numpy as np
 
     from urdfcheck.facts.inertials import inertia_tensor as inertia
-    from urdfcheck.facts.mesh.measure import compute_mesh_solid
 
     size, pose = shape.size, shape.origin.matrix
     if size is None or pose is None or any(s == 0 for s in size):
@@ -51,6 +51,8 @@ def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
         facts = model.meshes.get_facts(shape)
         if facts is None or not facts.closed or not np.isfinite(facts.com).all():
             return None
+        from urdfcheck.facts.mesh.measure import compute_mesh_solid  # not where meshes are unknown
+
         return compute_mesh_solid(facts, size, rotation=turn, translation=place)
     if any(s < 0 for s in size):
         return None

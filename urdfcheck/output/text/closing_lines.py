@@ -67,9 +67,10 @@ def _is_missed(run: Run, skip: SkippedCheck, reported: Collection[str]) -> bool:
     simulator, nor if the reason is a finding of the report."""
     if skip.code in run.requested or skip.is_partial:
         return True
+    if skip.reason.startswith(SkippedCheck.TIER_REASON):
+        return False
     wants_simulator = skip.code in run.rules and "simulator" in run.rules[skip.code].needs
-    wants_tier = skip.reason.startswith(SkippedCheck.TIER_REASON)
-    return not (wants_simulator or wants_tier or any(code in skip.reason for code in reported))
+    return not (wants_simulator or any(code in skip.reason for code in reported))
 
 
 def iter_recap(run: Run, width: int) -> Iterator[Text]:

@@ -14,7 +14,7 @@ from enum import Enum
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from urdfcheck.system.cache_folder import write_atomically
+from urdfcheck.system.cache_folder import note_use, write_atomically
 from urdfcheck.system.installation import compute_installation_stamp
 from urdfcheck.system.observing.observations import Observations, Recheck
 from urdfcheck.system.observing.questions import compute_sha256
@@ -67,7 +67,7 @@ def _describe(value: object) -> str:
 def keep_result(folder: Path, key: str, result: object, observations: Observations) -> None:
     """Keep a result, unless something that it depends on is not known. ``folder``: that of the cache."""
     if key and observations.is_complete:
-        data = pickle.dumps((observations, result), pickle.HIGHEST_PROTOCOL)
+        data = b"".join(pickle.dumps(part, pickle.HIGHEST_PROTOCOL) for part in (observations, result))
         if len(data) <= LARGEST:
             write_atomically(_get_path(folder, key), key.encode() + zlib.compress(data, 1))
 
@@ -93,13 +93,15 @@ class Replays:
             unpacked = reader.decompress(data[len(key) :], LARGEST)
             if not reader.eof:
                 return None  # its check sum is at the end, and was not compared
-            observations, result = load_plain(io.BytesIO(unpacked))
+            stream = io.BytesIO(unpacked)
+            observations = load_plain(stream)
             if not self._recheck.is_unchanged(observations):
                 return None
+            result = load_plain(stream)
         except Exception:  # zlib and pickle raise many kinds for a damaged file
             return None
         with contextlib.suppress(OSError):
-            os.utime(path)  # its last use: see `ArrayCache.trim`
+            note_use(path)
         return result, observations
 
     def _digest_file(self, path: Path) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.core import Rule, Run
+from urdfcheck.core import Rule, Run, SkippedCheck
 from urdfcheck.run.replay.entries import Replays, is_repeatable, keep_result, make_key
 from urdfcheck.source.project_folders import list_shared_folders
 from urdfcheck.system.observing.observations import Observations
@@ -23,8 +23,9 @@ def keep_outcome(folder: Path, key: str, outcome: Run, fail_on: str, observation
     may_differ = outcome.partial or any(answer.stopped for answer in outcome.answers)
     if may_differ or outcome.scenes or not is_repeatable(outcome.findings, outcome.failures):
         return
-    # Of the other rules no report says more than their number, or it reads their pages.
-    named = {*(finding.code for finding in outcome.findings), *(skip.code for skip in outcome.skipped)}
+    # Of the other rules no report says more than their number, or it reads their pages; nor of those that the tier leaves out.
+    skipped = (skip.code for skip in outcome.skipped if not skip.reason.startswith(SkippedCheck.TIER_REASON))
+    named = {*(finding.code for finding in outcome.findings), *skipped}
     rules = {code: rule if code in named else None for code, rule in outcome.rules.items()}
     keep_result(folder, key, (replace(outcome, rules={}), rules, fail_on), observations)
 

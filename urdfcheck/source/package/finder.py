@@ -162,9 +162,10 @@ class PackageFinder:
 
     def can_open(self, path: Path) -> bool:
         """Whether a file may be opened: it is in reach, or in a package that was found by its name."""
-        if self.reach is None or self.reach.has_real_path(self._resolve_path(path)):
+        if self.reach is None:
             return True
-        return self.find_known_folder(path) is not None
+        real = self._resolve_path(path)
+        return self.reach.has_real_path(real) or self._find_trusted_folder(real) is not None
 
     def _resolve_path(self, path: Path) -> str | None:
         """Do what `resolve_real_path` does; the real path of a folder with many files is found once, as that takes long."""
@@ -177,7 +178,9 @@ class PackageFinder:
 
     def find_known_folder(self, path: Path) -> Path | None:
         """Return the real folder of the package that was found by its name and contains this file."""
-        real = resolve_real_path(path)
+        return self._find_trusted_folder(self._resolve_path(path))
+
+    def _find_trusted_folder(self, real: str | None) -> Path | None:
         return next((f for f in self._list_trusted_folders() if real is not None and is_below(real, str(f))), None)
 
     def _list_trusted_folders(self) -> Iterator[Path]:

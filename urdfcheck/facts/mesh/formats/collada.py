@@ -20,7 +20,7 @@ from xml.parsers import expat
 import numpy as np
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
+from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError, ensure_size_limits
 from urdfcheck.system.encodings import UnreadableEncodingError, decode_xml
 
 if TYPE_CHECKING:
@@ -45,8 +45,6 @@ _APPEARANCE = frozenset(
 )
 # The attributes of an accessor that say how many numbers it reads, with their defaults.
 _ACCESSOR = (("count", ""), ("stride", "1"), ("offset", "0"))
-# The words of a flaw: accessors that count the numbers of their array.
-NOT_VECTORS = "numbers instead of"
 # What pycollada puts into its messages by mistake.
 _SLIP = re.compile(r"( in effect)? `?<built-in function id>`?")
 

@@ -22,6 +22,8 @@ def describe_answers(run: Run) -> Iterator[str]:
 
     One is ``MuJoCo 4.0.0 loaded it here; dropped with its joints held, it comes to rest``.
     """
+    if not run.answers:
+        return
     falls = {drop.model: _describe_fall(drop) for drop in run.drops}
     kept = {
         skip.model: f"it was not dropped: {skip.reason}"
