@@ -117,9 +117,15 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_inside_another(folder: Path | None, package: Package) -> bool:
-    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there."""
-    around = [] if package.finder is None else package.finder.list_parent_folders()
-    return folder is not None and any((outer / "package.xml").is_file() for outer in around if outer in folder.parents)
+    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there.
+
+    A manifest at the top of the repository does not count: its other packages are probably copied from there, each by itself.
+    """
+    if folder is None or package.finder is None:
+        return False
+    top = package.finder.find_repository()
+    around = (outer for outer in package.finder.list_parent_folders() if outer in folder.parents and outer != top)
+    return any((outer / "package.xml").is_file() for outer in around)
 
 
 def _select_missing(
