@@ -13,7 +13,6 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
-from urdfcheck.source.package.dependencies import collect_dependencies
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
@@ -27,6 +26,7 @@ from urdfcheck.source.package.references import (
 )
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
+from urdfcheck.source.ros.dependencies import collect_dependencies
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
