@@ -10,7 +10,6 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.dependencies import find_dependent
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -28,6 +27,7 @@ from urdfcheck.source.resources import (
     is_misspelt,
     list_resource_uses,
 )
+from urdfcheck.source.ros.dependencies import find_dependent
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
 

@@ -13,7 +13,6 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
-from urdfcheck.source.package.dependencies import collect_dependencies
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
@@ -27,6 +26,7 @@ from urdfcheck.source.package.references import (
 )
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
+from urdfcheck.source.ros.dependencies import collect_dependencies
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
@@ -117,9 +117,15 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_inside_another(folder: Path | None, package: Package) -> bool:
-    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there."""
-    around = [] if package.finder is None else package.finder.list_parent_folders()
-    return folder is not None and any((outer / "package.xml").is_file() for outer in around if outer in folder.parents)
+    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there.
+
+    A manifest at the top of the repository does not count: its other packages are probably copied from there, each by itself.
+    """
+    if folder is None or package.finder is None:
+        return False
+    top = package.finder.find_repository()
+    around = (outer for outer in package.finder.list_parent_folders() if outer in folder.parents and outer != top)
+    return any((outer / "package.xml").is_file() for outer in around)
 
 
 def _select_missing(

@@ -8,7 +8,6 @@ from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.inertia_tensor import Solid
 
 
