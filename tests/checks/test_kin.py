@@ -6,7 +6,7 @@ from itertools import pairwise
 from pathlib import Path
 
 import pytest
-from builders import box, inertial, joint, link, robot, visual
+from builders import box, find, inertial, joint, link, robot, visual
 from conftest import check, check_text
 
 from urdfcheck.core import FactUnavailableError, Run, Severity
@@ -654,3 +654,11 @@ def test_one_name_of_two_calls_is_told_where_it_can_be_mended(
     (finding,) = check_text(tmp_path, "\n".join([*lines, "</robot>"]), codes={"KIN001"}, name="arm.xacro").findings
     assert finding.location.span is not None
     assert (finding.location.span.line, finding.message) == (line, message)
+
+
+@pytest.mark.parametrize(("name", "severity"), [("", Severity.INFO), (' name="r"', Severity.ERROR)])
+def test_a_part_without_a_name_that_nothing_includes_is_a_note(tmp_path: Path, name: str, severity: Severity) -> None:
+    joint_to_base = '<joint name="j" type="fixed"><parent link="base"/><child link="camera"/></joint>'
+    text = f'<robot{name} xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="camera"/>{joint_to_base}</robot>'
+    (finding,) = find(tmp_path, text, "KIN002", name="camera.xacro")
+    assert finding.severity is severity

@@ -491,7 +491,7 @@ def test_a_xacro_of_rosbuild_in_a_folder_of_another_name_names_the_folder(tmp_pa
     )
     (finding,) = check(root / "urdf/r.urdf.xacro", codes={"PKG001"}).findings
     assert finding.fix is not None
-    assert finding.fix.title.startswith("name the folder clone arm, as a package of rosbuild")
+    assert finding.fix.title.startswith("rename the folder clone to arm: a package of rosbuild")
 
 
 def test_the_package_of_the_file_that_names_another_declares_it(tmp_path: Path) -> None:

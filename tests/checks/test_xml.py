@@ -367,7 +367,7 @@ class TestXML003:
             (
                 '<link name="a"><inertial><mass value="2"/></inertial></link>',
                 "inertial",
-                "keep one: link a before it has its own <inertial>, with other values (<mass> value: 2 there, 1 here);",
+                "keep one: link a before it has its own <inertial>, with other values (<mass> value 2 there and 1 here);",
             ),
             (
                 '<link name="a"><inertial><mass value="1.0"/></inertial></link>',

@@ -98,7 +98,16 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         alone = _CARRYING if has_root and not is_child else _ADDING
         template = _choose_attachment(model, called) if is_part else alone
         data["repair"] = template.format(called=data["called"], file=Path(model.source.name).name)
-        finding = rule.finding("unknown", at=attributes[0], related=related, links=links, **data)
+        # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
+        is_scrap = is_part and "name" not in model.robot.attributes
+        finding = rule.finding(
+            "unknown",
+            at=attributes[0],
+            related=related,
+            links=links,
+            severity=Severity.INFO if is_scrap else None,
+            **data,
+        )
     else:
         edits = edit_values((attribute, near) for attribute in attributes)
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)

@@ -88,8 +88,8 @@ def _build_finding(
         repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
     clone = _find_rosbuild_folder(source, package, at)
     if clone is not None and kind == "expansion":
-        repair = f"name the folder {clone} {package}, as a package of rosbuild (manifest.xml) has the name of its folder, or add "
-        repair += "a package.xml with this name"
+        repair = f"rename the folder {clone} to {package}: a package of rosbuild (manifest.xml) has the name of its folder; or "
+        repair += "add a package.xml with this name"
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
     return rule.finding(

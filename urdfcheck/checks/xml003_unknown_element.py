@@ -360,7 +360,7 @@ def _describe_twin(place: Element, twin: Element, owner: str) -> str:
         values = {} if there is None else _read_values(there)
         for name in (n for n, words in _read_values(element).items() if values.get(n) != words):
             old = f"{there.get(name)} there" if there is not None and name in values else "none there"
-            different.append(f"<{element.tag}> {name}: {old}, {element.get(name)} here")
+            different.append(f"<{element.tag}> {name} {old} and {element.get(name)} here")
     if not different:
         return f"delete it: {owner} before it has the same <{place.tag}>"
     return (
