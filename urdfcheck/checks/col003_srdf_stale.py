@@ -103,14 +103,16 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
 
     The pairs with one reason are one finding, at the pair that collides most.
     """
-    if not any(srdf.disabled_pairs for srdf in semantic_descriptions(model)):
+    # What was made for another file of this robot is compared with that one.
+    srdfs = [srdf for srdf in semantic_descriptions(model) if not is_set_up_for_another(srdf, model.source)]
+    if not any(srdf.disabled_pairs for srdf in srdfs):
         return
     missed: dict[frozenset[str], tuple[CollisionPair, int]] = {}
     for judged in classify_link_pairs(model):
         first_hit = judged.pair.first_hit
         if judged.reason is None and first_hit is not None:
             missed[frozenset(judged.pair.links)] = judged.pair, first_hit
-    for srdf in semantic_descriptions(model):
+    for srdf in srdfs:
         for reason in REASONS:
             hidden = [(p, *missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
             hidden.sort(key=lambda item: -item[1].hit_count)

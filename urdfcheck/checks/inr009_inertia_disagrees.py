@@ -429,6 +429,10 @@ def _build_cause_finding(
     drawn_twin = _find_drawn_twin(model, link, judged)
     if drawn_twin is not None:
         message = "rotated"
+    fallback = "the inertia of the drawn part" if message == "approximation" else ""
+    data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
+    if message == "size":
+        data["other_mass"] = f"{other_mass:.4g}"
     mild = cause in MILD_CAUSES or is_light(model, link, diagnosis.mended) or is_slight(model, link, judged)
     is_bolted = link.name in list_bolted_links(model)
     mild |= message != "exact" and is_bolted and not is_beyond_reach(model, float(np.linalg.norm(judged.declared.com)))
@@ -437,10 +441,6 @@ def _build_cause_finding(
     mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
     if mild and is_bolted and message in {"exact", "named"}:
         message = "bolted"
-    fallback = "the inertia of the drawn part" if message == "approximation" else ""
-    data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
-    if message == "size":
-        data["other_mass"] = f"{other_mass:.4g}"
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),

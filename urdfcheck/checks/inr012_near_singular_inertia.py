@@ -18,10 +18,9 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Link, Model
-from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_whole_bodies
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # MuJoCo's mjMINVAL, in kg and kg m², and its error message.
 LEAST = 1e-15
@@ -70,6 +69,9 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
 
 def _explain_point(model: Model, body: RigidLinkGroup, link: Link) -> dict[str, Any]:
     """Return the data of what made the tensor of a body too small, where what its one link with a mass draws shows it."""
+    from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
+    from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+
     generic = {"cause": None, "repair": _TOGETHER}
     declared, drawn = read_declared_inertial(link), measure_link_geometry(model, link)
     is_alone = sum(name in model.mass_by_name for name in body.links) == 1
@@ -77,11 +79,11 @@ def _explain_point(model: Model, body: RigidLinkGroup, link: Link) -> dict[str, 
         return generic
     # What the tensor says that the mass is, three times.
     masses = np.linalg.eigvalsh(declared.inertia) / np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, 1.0))
-    mass = float(np.median(masses))
+    mass = compute_median(masses.tolist())
     if is_part_density(declared.mass / drawn.solid.volume):
         power = round(math.log10(declared.mass / mass))
         if power in _POWERS and np.abs(np.log(masses * 10.0**power / declared.mass)).max() < math.log(_LIKE_TENSOR):
-            return {"cause": "factor", "factor": f"{10.0**power:.0e}", "repair": f"multiply the tensor by 1e{power}"}
+            return {"cause": "factor", "factor": f"1e{power}", "repair": f"multiply the tensor by 1e{power}"}
     elif is_part_density(mass / drawn.solid.volume) and np.abs(masses / mass - 1.0).max() < EXACT:
         times = f"{declared.mass / mass:.4g}"
         repair = f"multiply the tensor by {times}: then it is that of {declared.mass:.3g} kg, as typed"
