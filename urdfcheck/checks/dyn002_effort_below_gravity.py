@@ -112,7 +112,7 @@ def _are_masses_plausible(model: Model, joint: Joint) -> bool:
 
 
 def _is_load_of_impossible_masses(model: Model, load: Overload) -> bool:
-    """Whether most of the mass that a joint carries is in links denser than steel: then the torque says nothing of the limit."""
+    """Whether most of the mass that a joint carries is in links denser than steel: then the torque does not judge the limit."""
     dense = 0.0
     for name in list_carried_links(model, load.joint):
         link = model.link_by_name[name]

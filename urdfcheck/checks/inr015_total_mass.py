@@ -88,7 +88,7 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
 
 
 def _count_unit_densities(model: Model) -> int:
-    """Count the links of known volume, if all weigh 1 kg/m³ and not all are one part: nobody gave the exporter a density."""
+    """Count the links of known volume, if all weigh 1 kg/m³ and not all are one part: the exporter was given no density."""
     measured = [
         (one.mass, density)
         for one in model.masses

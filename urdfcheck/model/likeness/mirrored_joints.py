@@ -160,7 +160,7 @@ def find_mismatched_limit(
 
 
 def _is_nearly_copied(one: Joint, other: Joint) -> bool:
-    """Whether two ranges are the same but for what sides of one robot differ in."""
+    """Whether two ranges are the same apart from what sides of one robot differ in."""
     (a, b), (c, d) = _get_bounds(one), _get_bounds(other)
     return max(abs(a - c), abs(b - d)) <= _NEARLY * max(b - a, d - c)
 

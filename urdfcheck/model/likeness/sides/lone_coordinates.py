@@ -100,7 +100,7 @@ def _is_slipped_point(pair: _Pair) -> bool:
 
 
 def _is_mirrored_but_for_a_point(pair: _Pair) -> bool:
-    """Whether two joints on one link are mirror images but for the decimal point of one coordinate.
+    """Whether two joints on one link are mirror images apart from the decimal point of one coordinate.
 
     A part that is exactly ten times as far to one side as its counterpart to the other is hardly meant: that needs no other pair.
     Nor does one that is as far to its side, and ten times as far ahead; where all other coordinates are zero, digits that are
@@ -132,7 +132,7 @@ def _find_on_one_link(model: Model) -> Iterator[_Pair]:
 
 
 def _find_slipped_points(model: Model) -> Iterator[_Pair]:
-    """Yield the only two joints of a kind on one link that are mirror images but for a decimal point, at both ends or sides."""
+    """Yield the only two like joints on one link that are mirror images apart from one decimal point, at both ends or sides."""
     groups: dict[object, list[Joint]] = {}
     for name in model.tree.order[1:]:
         joint = model.tree.parent_joint[name]

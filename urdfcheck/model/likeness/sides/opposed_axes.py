@@ -174,8 +174,8 @@ def _compute_swing(model: Model, joint: Joint, way: Array) -> Array:
 
 
 def _find_place(model: Model, name: str) -> Array | None:
-    """Find where a link's part is (3,), in root coordinates: what it draws, or else its COM, which is not where nobody filled it
-    in; None where neither is known."""
+    """Find where a link's part is (3,), in root coordinates: what it draws, or else its COM (one at zero was
+    not filled in); None where neither is known."""
     drawn, inertial = compute_centroid(model, name), model.link_by_name[name].inertial
     com = None if inertial is None else inertial.origin.xyz
     if drawn is not None or com is None or not any(com):
