@@ -41,8 +41,9 @@ _KINDS = {
     "file": ("a file:// path", "file:// paths"),
     "home": ("a path in the home folder", "paths in the home folder"),
 }
-# A file of a package that a release of ROS has installed.
-_INSTALLED = re.compile(r"/opt/ros/\w+/share/([^/]+)/(.+)")
+# Where the packages of a release of ROS are installed, and a file of a package that is installed there or in a workspace.
+_RELEASED = "/opt/ros/"
+_INSTALLED = re.compile(r".*/(?:opt/ros/\w+|install(?:/[^/]+)?|devel)/share/([^/]+)/(.+)")
 # So many outer folders (/, home, ann) are one place of a machine: what one author's tool wrote is one cause.
 _OUTER_FOLDERS = 3
 
@@ -69,7 +70,7 @@ def _find_place(use: ResourceUse) -> tuple[object, ...]:
 
 
 def _choose_message(use: ResourceUse) -> str:
-    if _find_installed_path(use) is not None:
+    if _find_installed_path(use) is not None and str(use.resource.path).startswith(_RELEASED):
         return "installed"
     return "unread" if not use.resource.allowed else "here-only" if use.resource.exists else "nowhere"
 
@@ -96,7 +97,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
 
 
 def _find_installed_path(use: ResourceUse) -> str | None:
-    """Return the package path of a file in a folder where the packages of a release of ROS are installed."""
+    """Return the package path of a file in a folder where a release of ROS, or a workspace, has installed a package."""
     found = None if use.resource.path is None else _INSTALLED.match(use.resource.path.as_posix())
     return None if found is None else f"package://{found[1]}/{found[2]}"
 
@@ -166,7 +167,7 @@ def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:
 
 def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str | None], source: Source) -> str:
     """Say what to write, or to move the files first."""
-    if message == "installed":
+    if message == "installed" or (not any(portable) and all(map(_find_installed_path, place.uses))):
         others = ", and the others likewise" if len({use.resource.text for use in place.uses}) > 1 else ""
         return f"write `{_find_installed_path(place.uses[0])}`{others}, and declare the dependency in package.xml"
     paths = [path for path in portable if path is not None]
