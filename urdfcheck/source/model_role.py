@@ -130,9 +130,13 @@ def _is_semantic(root: Element) -> bool:
 
 def _is_fragment(source: Source, root: Element) -> bool:
     """Whether a robot without links and joints completes another one: no file that was read could make a link."""
-    trees = source.trees.values()
-    return any(child.tag in _COMPLETING for child in root.children) and not any(
-        element.tag == "link" for tree in trees for element in tree.walk()
+    if not any(child.tag in _COMPLETING for child in root.children):
+        return False
+    # An include under a condition may be one that was not read.
+    return not any(
+        element.tag == "link" or (element.tag in {"xacro:if", "xacro:unless"} and any(map(is_include, element.walk())))
+        for tree in source.trees.values()
+        for element in tree.walk()
     )
 
 
