@@ -853,6 +853,23 @@ def test_wheels_that_turn_across_the_line_between_them_do_not_drive(
     assert messages == (["sideways"] if found else [])
 
 
+@pytest.mark.parametrize(("rpy", "words"), [("0 0 0", "back by as much"), ("1.5708 0 0", "or only their axes")])
+def test_wheels_that_collide_about_a_wrong_axis_turn_with_it(tmp_path: Path, rpy: str, words: str) -> None:
+    plugin = "".join(f"<{side}_joint>{side}</{side}_joint>" for side in ("left", "right"))
+    wheel = visual('<cylinder radius="0.05" length="0.02"/>', rpy="1.5708 0 0") + collision(
+        '<cylinder radius="0.05" length="0.02"/>', rpy=rpy
+    )
+    parts = [
+        link(f"{side}_wheel", wheel)
+        + joint(side, "base", f"{side}_wheel", kind="continuous", xyz=f"0 {y} 0", axis="0 0 1")
+        for side, y in (("left", 0.2), ("right", -0.2))
+    ]
+    block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
+    (finding,) = find(tmp_path, robot(link("base"), *parts, block), "CTL007")
+    assert finding.fix is not None
+    assert words in finding.fix.title
+
+
 @pytest.mark.parametrize(("typed", "found"), [("0.29", ["narrow"]), ("0.31", []), ("0.8", []), ("", []), ("0", [])])
 def test_the_track_of_a_skid_steer_is_tuned_wider_and_never_far_below_the_narrowest_pair(
     tmp_path: Path, typed: str, found: list[str]

@@ -284,7 +284,7 @@ def _read_angles(element: Element | None, most: int) -> Array | None:
     samples, low, high = (_read_number(element, name) for name in ("samples", "min_angle", "max_angle"))
     if samples is None or low is None or high is None or samples < 1 or not abs(low) + abs(high) < 20:
         return None
-    return np.array([low]) if low == high else np.linspace(*sorted((low, high)), int(min(samples, most)))
+    return np.array([low]) if low == high else np.linspace(min(low, high), max(low, high), int(min(samples, most)))
 
 
 def _read_number(element: Element, tag: str) -> float | None:
