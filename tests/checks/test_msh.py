@@ -106,6 +106,8 @@ def stl(header: bytes) -> bytes:
         (b"\0" * 20, "truncated"),
         (b"\0" * 84, "no-facets"),
         (b"solid a\nendsolid a\n", "no-facets"),
+        (b"# a note\n", "text"),
+        (b" " * 600 + b"\xe4", "truncated"),
         (b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0", "truncated"),
         (stl(b"part") + b"\n", "wrong-size"),
     ],
@@ -670,7 +672,7 @@ def test_every_link_that_uses_the_mesh_is_a_subject(tmp_path: Path) -> None:
 
 def test_what_other_rules_measure_goes_by_the_default_thresholds() -> None:
     options = {name: option.default for name, option in load_rules()["MSH008"].options.items()}
-    assert options == {"largest": mesh_sizes.LARGEST, "ratio": mesh_sizes.RATIO, "smallest": mesh_sizes.SMALLEST}
+    assert options == mesh_sizes.DEFAULT_LIMITS
 
 
 @pytest.mark.parametrize(("size", "scale"), [(400.0, "1 1 1"), (0.4, "0.001 0.001 0.001")])
@@ -695,6 +697,19 @@ def test_nothing_is_measured_on_a_mesh_in_the_wrong_size(tmp_path: Path, size: f
     found = check_text(tmp_path, text).findings
     measured = [f.code for f in found if f.code[:3] in {"INR", "GEO", "COL", "DYN", "MSH"} or f.code == "GZB009"]
     assert measured == ["MSH008"]
+
+
+@pytest.mark.parametrize(("largest", "reported"), [(5.0, "MSH008"), (50.0, "INR010")])
+def test_a_size_that_the_configuration_allows_is_measured(tmp_path: Path, largest: float, reported: str) -> None:
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, 8.0))
+    text = robot(
+        link("base"),
+        link("l", inertial(2, 1e-3), shape("visual")),
+        joint("j", "base", "l", kind="continuous", xyz="0 0 0.5"),
+    )
+    options = {"MSH008": {"largest": largest}}
+    run = check_text(tmp_path, text, codes={"MSH008", "INR010"}, options=options)
+    assert [finding.code for finding in run.findings] == [reported]
 
 
 def test_metres_that_are_scaled_as_millimetres_vanish(tmp_path: Path) -> None:

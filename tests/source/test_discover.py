@@ -265,6 +265,17 @@ def test_a_file_of_a_third_package_may_mean_each_package_of_a_name(workspace: Pa
     assert models(".") == ["robot/robot.xacro"]
 
 
+def test_what_a_package_means_by_its_own_name_is_not_what_another_one_means(workspace: Path) -> None:
+    robot, places = xacro(LINK + include("$(find p)/sensors.xacro")), ("ros1/p", "ros2/p")
+    parts = {f"{place}/sensors.xacro": xacro(LINK, name="") for place in places}
+    manifests = {f"{place}/package.xml": manifest("p") for place in places}
+    write(
+        workspace,
+        {**parts, **manifests, "ros1/p/robot.xacro": robot, "z/package.xml": manifest("z"), "z/robot.xacro": robot},
+    )
+    assert models(".") == ["ros1/p/robot.xacro", "z/robot.xacro"]
+
+
 def test_a_plain_part_with_a_name_is_checked_in_the_robot_that_includes_it(workspace: Path) -> None:
     joint = '<joint name="j" type="fixed"><parent link="base_link"/><child link="imu"/></joint>'
     part = f'<robot name="r"><link name="imu"/>{joint}</robot>'

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from conftest import check
+from conftest import check, check_text
 
 from urdfcheck.core import Run
 from urdfcheck.output import text
@@ -234,6 +234,11 @@ class TestModels:
         assert (info.status, info.robot, info.args) == ("checked", "arm", {"name": "arm"})
         assert info.found_args["name"].startswith(info.path)
         assert "expanded with name:=arm (" in " ".join(text.render(run).split())
+
+    def test_of_two_such_defaults_the_first_one_counts(self, tmp_path: Path) -> None:
+        twice = '<xacro:arg name="name" default="first"/><xacro:arg name="name" default="second"/><link name="base"/>'
+        text = f'<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">{twice}</robot>'
+        assert check_text(tmp_path, text, name="a.urdf.xacro").models[0].args == {"name": "first"}
 
     def test_a_launch_file_that_passes_no_value_is_stopped(self, tmp_path: Path) -> None:
         model = ARM.replace('default="none"', 'default="small"').replace("$(arg prefix)", "")

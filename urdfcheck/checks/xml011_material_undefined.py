@@ -56,7 +56,7 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             names,
             material=name,
             shapes=format_count(len(names), "shape refers", "shapes refer"),
-            definition=_propose_definition(model, name),
+            definition="" if name in everywhere else _propose_definition(model, name),
             near=format_name_hint(name, everywhere),
         )
 

@@ -41,6 +41,8 @@ class Model:
     """Number of joint configurations that facts about motion sample."""
     targets: tuple[str, ...] = ()
     """The programs that the model is declared to be for."""
+    mesh_limits: Mapping[str, float] = field(default_factory=dict)
+    """The options of MSH008 that are configured: from when on a mesh has a wrong size."""
     simulation: str = "none"
     """How long a simulator may run: none | brief, as part of a check | full."""
     base: str = "auto"

@@ -60,6 +60,7 @@ def _compute_digest(model: Model) -> str:
 def _iter_digest_parts(model: Model) -> Iterator[str]:
     yield compute_installation_stamp()
     yield f"{model.tier} {model.samples} {model.targets} {sorted(model.source.arguments.items())} {model.source.path}"
+    yield f"{sorted(model.mesh_limits.items())}"
     for name, file in sorted(model.source.files.items()):
         yield name
         yield file.text

@@ -267,6 +267,7 @@ class _UnitAudit:
             cache=ArrayCache(self.cache_folder),
             samples=self.options.samples,
             targets=self.policy.targets,
+            mesh_limits=self.policy.options.get("MSH008", {}),
             simulation=choose_simulation(self.policy, self.options),
             base=self.options.base,
         )

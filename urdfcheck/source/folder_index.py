@@ -65,7 +65,7 @@ class FolderIndex:
         for f in self.files:
             self.by_name.setdefault(f.name, set()).add(self.reals[f])
         self.compared = 0
-        self.resolved: dict[tuple[str, str], frozenset[Path]] = {}
+        self.resolved: dict[tuple[str, ...], frozenset[Path]] = {}
         # The folders in which a file without a name may be a part: a file there includes whatever a variable names.
         self.open_folders: set[Path] = set()
         includes = {self.reals[f]: self._resolve_includes(f, file.includes) for f, file in self.files.items()}
@@ -97,7 +97,7 @@ class FolderIndex:
         base = folders[0] if folders else path.parent
         typed_name = name.rpartition("/")[2]
         is_open = EXPRESSION.search(typed_name) is not None
-        key = (str(base), f"{tail}/{typed_name}" if is_open else tail)
+        key = (f"{tail}/{typed_name}" if is_open else tail, *map(str, folders or [base]))
         if key not in self.resolved:
             targets = [target for folder in folders for target in self._match_pattern(folder, tail)]
             if package and not targets:

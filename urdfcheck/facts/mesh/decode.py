@@ -134,8 +134,9 @@ def _decode_stl(data: bytes) -> RawMesh:
     text = data.rstrip(b"\0")
     if solid and b"\0" not in text:
         return _decode_ascii_stl(text)
-    if text.strip() and not solid and text[:512].translate(None, _TEXT) == b"":
-        begin = text.strip()[:40].splitlines()[0].decode()
+    start = text[:512].strip()
+    if start and not solid and start.translate(None, _TEXT) == b"":
+        begin = start[:40].splitlines()[0].decode()
         raise MeshError("text", f"is text, but no STL file: it begins with {begin!r}")
     if len(data) < _STL_HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, while a binary STL's header alone has 84")

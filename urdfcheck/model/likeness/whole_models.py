@@ -4,19 +4,24 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from collections.abc import Set as AbstractSet
 from itertools import islice
 from pathlib import Path
 
+from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.xacro.argument_values import read_included_trees
 from urdfcheck.system.files import read_regular, walk
 
 _SUFFIXES = (".urdf", ".xacro")
 _ROBOT = re.compile(r"""<robot\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+_DEFINED_COLOUR = re.compile(
+    r"""<material\s+name\s*=\s*["']([^"'<>$]+)["']\s*>\s*<color\s+rgba\s*=\s*["']([^"'<>$]*)["']"""
+)
 # Limits on files of a repository that are compared, on folders that are searched, and on the size of a file.
 _MOST_FILES, _MOST_FOLDERS, _LARGEST = 400, 5_000, 1_000_000
 
@@ -57,18 +62,23 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
 
 def find_colour_elsewhere(model: Model, material: str) -> tuple[Path, str] | None:
     """Return the nearest robot file of the repository that defines a material of this name by a literal colour, and its rgba."""
-    name = re.escape(material)
-    definition = re.compile(rf"""<material\s+name\s*=\s*["']{name}["']\s*>\s*<color\s+rgba\s*=\s*["']([^"'<>$]*)["']""")
-    found: list[tuple[int, Path, str]] = []
+    return _find_colours_elsewhere(model).get(material)
+
+
+@fact
+def _find_colours_elsewhere(model: Model) -> Mapping[str, tuple[Path, str]]:
+    found: dict[str, tuple[int, Path, str]] = {}
     for path in islice(_iter_robot_files(model), _MOST_FILES):
         try:
-            match = definition.search(read_regular(path, _LARGEST).decode("utf-8", "replace"))
+            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
             continue
-        if match is not None:
-            shared = len(os.path.commonpath([model.source.path.parent.absolute(), path.absolute()]))
-            found.append((-shared, path, " ".join(match[1].split())))
-    return min(found)[1:] if found else None
+        shared = len(os.path.commonpath([model.source.path.parent.absolute(), path.absolute()]))
+        for name, rgba in _DEFINED_COLOUR.findall(text):
+            is_nearest = name not in found or (-shared, path) < found[name][:2]
+            if is_nearest and parse_numbers(rgba, count=4) is not None:
+                found[name] = -shared, path, " ".join(rgba.split())
+    return {name: (path, rgba) for name, (_, path, rgba) in found.items()}
 
 
 def _iter_robot_files(model: Model) -> Iterator[Path]:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 # The units of CAD systems, in metres.
 UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}
 # The defaults of MSH008's options, whose page says what they are from: m, 1, m.
-LARGEST, RATIO, SMALLEST = 5.0, 10.0, 0.001
+DEFAULT_LIMITS = {"largest": 5.0, "ratio": 10.0, "smallest": 0.001}
 # A declared unit this close to the metre is the metre.
 _UNIT_TOLERANCE = 1e-3
 # A scale below this was meant to convert millimetres, centimetres or inches to metres.
@@ -88,9 +88,7 @@ class MeshSizes:
 
 
 @fact
-def measure_mesh_sizes(
-    model: Model, *, largest: float = LARGEST, ratio: float = RATIO, smallest: float = SMALLEST
-) -> MeshSizes:
+def measure_mesh_sizes(model: Model, *, largest: float, ratio: float, smallest: float) -> MeshSizes:
     """Measure every use of a mesh, and find what is wrong with its size."""
     reach = _measure_reach(model)
     limits, usual = SizeLimits(reach, smallest, max(largest, ratio * reach)), _find_usual_scale(model)
@@ -124,7 +122,9 @@ def get_mesh_scale(model: Model, shape: Shape, apply_unit: bool) -> Array | None
 
 @fact
 def _index_mistakes(model: Model) -> Mapping[int, str]:
-    return {id(m.use.shape): m.mistake for m in measure_mesh_sizes(model).meshes if m.mistake is not None}
+    # With the same thresholds, MSH008 reports what no other rule measures.
+    sizes = measure_mesh_sizes(model, **{**DEFAULT_LIMITS, **model.mesh_limits})
+    return {id(mesh.use.shape): mesh.mistake for mesh in sizes.meshes if mesh.mistake is not None}
 
 
 def _measure_mesh(model: Model, use: MeshUse, limits: SizeLimits, *, usual: float) -> MeasuredMesh | None:

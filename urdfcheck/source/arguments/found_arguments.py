@@ -100,7 +100,7 @@ def _find_early_defaults(path: Path, expansion: Expansion) -> dict[str, PassedAr
     read = {name for attribute in root.attributes.values() for name in ARGUMENT.findall(attribute.value)}
     return {
         name: PassedArgument(name=name, value=default, location=element.location, rank=0)
-        for element in root.find_children("xacro:arg")
+        for element in reversed(root.find_children("xacro:arg"))  # of several defaults, xacro takes the first
         if (name := element.get("name")) in read and (default := element.get("default")) and "$" not in default
     }
 

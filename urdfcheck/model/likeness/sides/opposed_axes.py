@@ -17,7 +17,6 @@ from urdfcheck.model.likeness.shape_comparison import compute_centroid, is_alike
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.wheel_names import WHEEL_NAME
-from urdfcheck.source.text.values import read_attribute_number
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -208,11 +207,10 @@ def _get_far_end(model: Model, joint: Joint) -> float | None:
     None where both are far."""
     leader, factor = joint, 1.0
     if joint.mimic is not None:
-        target, multiplier = joint.mimic.attributes.get("joint"), read_attribute_number(joint.mimic, "multiplier")
-        named = [one for one in model.joints if target is not None and one.name == target.value]
-        if len(named) != 1 or named[0].mimic is not None:
+        followed, coefficients = model.joint_by_name.get(joint.mimic.get("joint")), joint.mimic_coefficients
+        if followed is None or followed.mimic is not None or coefficients is None:
             return None
-        leader, factor = named[0], 1.0 if multiplier is None else multiplier
+        leader, factor = followed, coefficients[0]
     both = _get_range(leader)
     if not all(map(math.isfinite, both)):
         return None
