@@ -55,7 +55,8 @@ def explain_page(page: str) -> str:
         f"tags: {', '.join(meta['tags'])}",
     ]
     if meta.get("hidden_by"):
-        facts.append(f"gives way to {', '.join(meta['hidden_by'])} on the same element")
+        but = f" (not {', '.join(meta['never_hidden'])})" if meta.get("never_hidden") else ""
+        facts.append(f"gives way to {', '.join(meta['hidden_by'])} on the same element{but}")
     if meta.get("concerns"):
         facts.append(f"concerns {', '.join(meta['concerns'])} only")
     on_request, dynamics = meta.get("on_request", ()), meta.get("dynamics", ())

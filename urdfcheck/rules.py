@@ -39,6 +39,7 @@ _KEYS = {
     "needs",
     "tags",
     "hidden_by",
+    "never_hidden",
     "concerns",
     "layers",
     "depends_on_targets",
@@ -168,6 +169,7 @@ def load_page(path: Path) -> Rule:
             pedantic=_parse_words("pedantic", meta.get("pedantic", {}), meta["messages"]),
             dynamics=_parse_messages("dynamics", meta.get("dynamics", ()), meta["messages"]),
             explained_by=_parse_words("explained_by", meta.get("explained_by", {}), meta["messages"]),
+            never_hidden=_parse_messages("never_hidden", meta.get("never_hidden", ()), meta["messages"]),
             repeats=_parse_words("repeats", meta.get("repeats", {}), meta["messages"]),
             layers=tuple(meta.get("layers", family.layers)),
         )

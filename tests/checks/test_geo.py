@@ -351,6 +351,18 @@ def test_a_scale_is_no_explanation_where_one_dimension_agrees(tmp_path: Path, si
     assert said in finding.fix.title
 
 
+@pytest.mark.parametrize(("at", "severity"), [("0 0 0", Severity.INFO), ("0.7 0 0", Severity.WARNING)])
+def test_several_primitives_around_a_part_may_keep_others_away(tmp_path: Path, at: str, severity: Severity) -> None:
+    disc = geometry("collision", '<cylinder radius="0.7" length="0.12"/>', f'<origin xyz="{at}"/>')
+    lone = robot(link("a", box("visual") + disc))
+    assert [f.severity for f in find(tmp_path / "lone", lone, "GEO003")] == [Severity.WARNING]
+    post = box("collision", "0.1 0.1 0.1", at)
+    (finding,) = find(tmp_path / "several", robot(link("a", box("visual") + disc + post)), "GEO003")
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if more room") == (severity is Severity.INFO)
+
+
 @pytest.mark.parametrize(
     ("scale", "units"),
     [

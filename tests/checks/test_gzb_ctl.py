@@ -660,6 +660,26 @@ def test_a_drive_plugin_of_a_robot_without_wheels_needs_wheels(tmp_path: Path) -
     }
 
 
+def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_uses_it(tmp_path: Path) -> None:
+    """A file that expands nothing but the block has no robot that lacks the joints."""
+    block = f'<ros2_control name="c" type="system">{"".join(f"<joint name={name!r}/>" for name in ("j", "k"))}</ros2_control>'
+    include, call = '<xacro:include filename="drives.xacro"/>', "<xacro:drives/>"
+    files = {
+        "package.xml": "<package format='3'><name>p</name></package>",
+        "drives.xacro": robot(f'<xacro:macro name="drives">{block}</xacro:macro>', xacro=True),
+        "arm.urdf.xacro": robot(ARM, include, call, xacro=True),
+        "block.urdf.xacro": robot(include, call, xacro=True),
+        "cart.urdf.xacro": robot(link("base"), include, call, xacro=True),
+    }
+    (finding,) = find(tmp_path, files, "CTL001", name="cart.urdf.xacro")
+    assert finding.location.span is not None
+    assert finding.location.span.file.endswith("cart.urdf.xacro")
+    assert finding.fix is not None
+    assert "they may be right for arm.urdf.xacro" in finding.fix.title
+    assert not find(tmp_path, files, "CTL001", name="block.urdf.xacro")
+    assert not find(tmp_path, files, "CTL001", name="arm.urdf.xacro")
+
+
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:
     body = '<transmission name="t"><rightActuator name="m"/><joint name="joint"/></transmission>'
     (finding,) = find(tmp_path, robot(ARM, body), "CTL001")
@@ -762,6 +782,12 @@ def test_a_fixed_joint_takes_no_command(tmp_path: Path) -> None:
     assert [f.message_id for f in find(tmp_path, robot(arm, control()), "CTL002")] == ["fixed"]
 
 
+def test_all_fixed_joints_that_take_a_command_are_one_finding(tmp_path: Path) -> None:
+    arm = ARM.replace('type="continuous"', 'type="fixed"')
+    (finding,) = find(tmp_path, robot(arm, control()), "CTL002")
+    assert finding.headline == "2 fixed joints have a command interface: j, k"
+
+
 def test_a_headline_counts_the_blocks_of_merged_joints(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(MERGED + block("j", "<provideFeedback>true</provideFeedback>")), "GZB003")
     assert finding.headline == "Gazebo ignores 1 block: it merges j"
@@ -851,6 +877,23 @@ def test_wheels_that_turn_across_the_line_between_them_do_not_drive(
     block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
     messages = [f.message_id for f in find(tmp_path, robot(link("base"), *parts, block), "CTL007")]
     assert messages == (["sideways"] if found else [])
+
+
+@pytest.mark.parametrize(("rpy", "words"), [("0 0 0", "back by as much"), ("1.5708 0 0", "or only their axes")])
+def test_wheels_that_collide_about_a_wrong_axis_turn_with_it(tmp_path: Path, rpy: str, words: str) -> None:
+    plugin = "".join(f"<{side}_joint>{side}</{side}_joint>" for side in ("left", "right"))
+    wheel = visual('<cylinder radius="0.05" length="0.02"/>', rpy="1.5708 0 0") + collision(
+        '<cylinder radius="0.05" length="0.02"/>', rpy=rpy
+    )
+    parts = [
+        link(f"{side}_wheel", wheel)
+        + joint(side, "base", f"{side}_wheel", kind="continuous", xyz=f"0 {y} 0", axis="0 0 1")
+        for side, y in (("left", 0.2), ("right", -0.2))
+    ]
+    block = f'<gazebo><plugin filename="libgazebo_ros_diff_drive.so" name="d">{plugin}</plugin></gazebo>'
+    (finding,) = find(tmp_path, robot(link("base"), *parts, block), "CTL007")
+    assert finding.fix is not None
+    assert words in finding.fix.title
 
 
 @pytest.mark.parametrize(("typed", "found"), [("0.29", ["narrow"]), ("0.31", []), ("0.8", []), ("", []), ("0", [])])

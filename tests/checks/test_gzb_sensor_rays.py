@@ -70,6 +70,17 @@ def test_a_pose_that_turns_the_scan_off_its_frame_is_the_cause(
     assert finding.message_id == message
 
 
+def test_a_scan_may_run_backwards(tmp_path: Path) -> None:
+    """From the greater angle to the smaller one, it has all rays between them."""
+    shares, sectors = [], []
+    for low, high in ((-0.5, 1.57), (1.57, -0.5)):
+        (finding,) = find(tmp_path, robot(link("base"), AHEAD, sensor("gpu_ray", low=low, high=high)), "GZB009")
+        shares.append(finding.data["share"])
+        sectors.append(finding.data["sectors"])
+    assert shares[0] == shares[1] < 0.3
+    assert sectors[0] == sectors[1]
+
+
 def test_an_arm_may_be_elsewhere_and_a_wheel_is_where_it_is(tmp_path: Path) -> None:
     arm = AHEAD.replace('type="fixed"', 'type="revolute"').replace("</joint>", f"{limit(-1, 1)}</joint>")
     assert list_seen(tmp_path, link("base"), arm, sensor("gpu_ray")) == []

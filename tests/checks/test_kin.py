@@ -200,6 +200,32 @@ def test_a_chain_of_two_thousand_links(tmp_path: Path) -> None:
     assert codes(check_text(tmp_path, text, codes={"KIN003", "KIN004", "KIN005"})) == ["KIN004"]
 
 
+@pytest.mark.parametrize(
+    ("links", "joints", "repair"),
+    [
+        ("base arm world", ["base arm"], "from world to base, or delete unused links"),
+        ("base_footprint base arm", ["base arm"], "from base_footprint to base, or delete unused links"),
+        ("base arm camera", ["base arm"], "from the first piece to each of the others, or delete unused links"),
+    ],
+)
+def test_a_link_for_the_ground_is_the_parent_of_the_missing_joint(
+    tmp_path: Path, links: str, joints: list[str], repair: str
+) -> None:
+    (finding,) = check_text(tmp_path, make_tree(links, *joints), codes={"KIN005"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(repair)
+
+
+def test_a_link_of_an_included_file_is_not_to_be_deleted(tmp_path: Path) -> None:
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    (tmp_path / "parts.xacro").write_text(f'{head}<link name="world"/></robot>', encoding="utf-8")
+    text = f'{head}<xacro:include filename="parts.xacro"/><link name="base"/></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"KIN005"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == "add a joint, often a fixed one, from world to base, in the model's own file"
+    assert f" in {Path(finding.model).name}; a URDF has" in finding.message
+
+
 def test_xacro_that_nothing_expanded_says_nothing_about_the_tree(tmp_path: Path) -> None:
     text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arm/><link name="a"/><link name="b"/></robot>'
     run = check_text(tmp_path, text, codes=TREE)

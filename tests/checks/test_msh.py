@@ -104,8 +104,8 @@ def stl(header: bytes) -> bytes:
         (b"\0" * 80 + (1).to_bytes(4, "little") + b"\0" * 100, "wrong-size"),
         (b"\0" * 80 + (7).to_bytes(4, "little") + b"\0" * 50, "truncated"),
         (b"\0" * 20, "truncated"),
-        (b"\0" * 84, "empty"),
-        (b"solid a\nendsolid a\n", "empty"),
+        (b"\0" * 84, "no-facets"),
+        (b"solid a\nendsolid a\n", "no-facets"),
         (b"# a note\n", "text"),
         (b" " * 600 + b"\xe4", "truncated"),
         (b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0", "truncated"),
@@ -126,6 +126,19 @@ def test_the_repair_fits_the_reason(tmp_path: Path, content: bytes, repair: str)
     (finding,) = find_in_mesh(tmp_path, "MSH001", content, shape("visual"))
     assert finding.fix is not None
     assert repair in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("parts", "repair"),
+    [
+        (shape("visual", "part.stl"), "delete the shape: l1 has no mass and a fixed joint"),
+        (inertial() + shape("visual", "part.stl"), "delete the shape if the link only marks a frame"),
+    ],
+)
+def test_a_whole_stl_without_triangles_needs_no_new_export(tmp_path: Path, parts: str, repair: str) -> None:
+    (finding,) = find_in_mesh(tmp_path, "MSH001", b"\0" * 84, inertial(), parts, name="part.stl")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
 
 
 def test_a_format_that_is_not_read_is_not_called_broken(tmp_path: Path) -> None:

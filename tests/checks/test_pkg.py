@@ -1320,6 +1320,34 @@ def test_a_file_of_another_part_is_not_what_is_meant(tmp_path: Path, missing: st
     assert ("did you mean" in finding.message, len(finding.data["near"])) == (told, int(told))
 
 
+@pytest.mark.parametrize(
+    ("folder", "near"),
+    [
+        ("q/meshes/ur5e", ["q"]),
+        ("q/meshes/ur10", []),
+        ("p/meshes/ur10", []),
+        ("p/meshes/ur5", []),
+        ("p/meshes/arm", ["arm"]),
+    ],
+)
+def test_the_folder_of_another_variant_is_not_what_is_meant(tmp_path: Path, folder: str, near: list[str]) -> None:
+    """A package that has all files of the missing folder is."""
+    names = ("base.dae", "shoulder.dae", "wrist.dae")
+    links = "".join(make_mesh_link(name, f"package://p/meshes/ur5e/{name}") for name in names)
+    files = {
+        "p/package.xml": manifest(),
+        "q/package.xml": manifest(name="q"),
+        "p/urdf/r.urdf": f'<robot name="r">{links}</robot>',
+    }
+    write(tmp_path, files | {"p/meshes/readme.txt": ""} | {f"{folder}/{name}": "" for name in names})
+    (finding,) = findings(tmp_path, "PKG002")
+    assert len(finding.data["near"]) == len(near)
+    assert all(
+        Path(path).parent.name == name or path == name for path, name in zip(finding.data["near"], near, strict=True)
+    )
+    assert ("the package q, which has them" in finding.message) == (near == ["q"])
+
+
 @pytest.mark.parametrize(("build", "told"), [("ament_cmake", True), ("ament_python", True), ("catkin", False)])
 def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told: bool) -> None:
     mesh = make_mesh_link("a", "package://p/meshes/a.stl")

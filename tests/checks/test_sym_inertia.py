@@ -81,14 +81,24 @@ def find_odd_inertia(folder: Path, text: str, name: str = "robot.urdf") -> list[
     return find(folder, text, "SYM003", name=name)
 
 
-def test_a_com_with_the_numbers_of_the_others_stays_where_the_drawing_is_a_little_apart(tmp_path: Path) -> None:
-    """The mass is another one; the mesh is half a millimetre higher, which its author saw and the COM did not need."""
-    odd = drawn("0 0 0.0005") + make_lump_inertial(0.8 * MASS)
+@pytest.mark.parametrize("height", [0.0005, 0.0015, 0.03])
+def test_a_com_with_the_numbers_of_the_others_stays_where_the_drawing_is_apart(tmp_path: Path, height: float) -> None:
+    """The mass is another one; its author saw the mesh, and typed the tensor and the COM of the others."""
+    odd = drawn(f"0 0 {height}") + make_lump_inertial(0.8 * MASS)
     (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, rr=odd))
     assert "mass" in finding.message
     assert "COM" not in finding.message
     assert finding.fix is not None
     assert len(finding.fix.edits) == 1
+
+
+def test_inertials_that_agree_are_not_told_apart_by_a_drawing(tmp_path: Path) -> None:
+    """A COM of 0 0 0, and a tensor that no turn changes, say nothing about where the mesh is, or how it is turned."""
+    typed = make_lump_inertial(com=(0.0, 0.0, 0.0), tensor=np.eye(3) * 5e-5)
+    odd = drawn("0 0 0.01", "0 0 1.57") + typed
+    text = make_parts_on_base(*FOUR, **dict.fromkeys(FOUR, drawn() + typed) | {"rr": odd})
+    assert not find_odd_inertia(tmp_path, text)
+    assert "twin" not in [finding.message_id for finding in find(tmp_path, text, "INR009")]
 
 
 def repaired(folder: Path, text: str) -> list[Finding]:

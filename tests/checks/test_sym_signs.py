@@ -238,6 +238,28 @@ def test_a_wheel_whose_frame_is_elsewhere_on_its_axle_is_in_place_if_its_drawing
     assert [f.message_id for f in find(tmp_path, text, "SYM004")] == ["odd"] * count
 
 
+def test_the_place_of_a_bolted_part_is_asked_about(tmp_path: Path) -> None:
+    places = {
+        "front_left": "0.04 0.08 0",
+        "front_right": "0.04 -0.08 0",
+        "rear_left": "-0.04 0.08 0",
+        "rear_right": "-0.06 -0.08 0",
+    }
+    parts = [
+        f'<link name="{name}_spacer">{BOX.format(z=0)}</link>'
+        + joint(f"{name}_mount", "base", f"{name}_spacer", kind="fixed", xyz=xyz)
+        for name, xyz in places.items()
+    ]
+    text = f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>'
+    (finding,) = find(tmp_path, text, "SYM004")
+    assert finding.message_id == "odd"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(
+        "if rear_right_mount is meant to be placed like the others, write -0.04 -0.08 0"
+    )
+    assert not finding.fix.edits
+
+
 def test_an_angle_that_only_one_of_four_limbs_has_is_repaired(tmp_path: Path) -> None:
     text = make_quadruped()
     for angle, count in (("0.124", 1), ("0.5236", 0), ("0.002", 0)):

@@ -413,13 +413,13 @@ def test_what_is_drawn_is_turned_where_the_rest_agrees_with_the_joint(tmp_path: 
     assert finding.location.subject.startswith("link[front_left_wheel]/visual")
 
 
-def test_a_cylinder_that_nobody_turned_makes_no_upright_axis_right(tmp_path: Path) -> None:
+def test_the_axis_alone_is_no_repair_where_something_is_round_about_it(tmp_path: Path) -> None:
     """The visual stands upright; what agrees with the plumb joint must be turned with it, so no edit is offered."""
     text = changed(FOUR, 0, axis=(0, 0, 1), spin=2).text()
     (finding,) = find_in_car(tmp_path, "JNT015", text)
-    assert finding.message_id == "axis"
+    assert finding.message_id == "upright"
     assert finding.fix is not None
-    assert "write axis `0 1 0`" in finding.fix.title
+    assert "write axis `0 1 0`, and turn inertia of front_left_wheel with it" in finding.fix.title
     assert not finding.fix.edits
 
 

@@ -66,6 +66,32 @@ def test_each_way_to_fail_is_one_located_finding(tmp_path: Path, text: str, mess
     assert finding.location.span.line == 3
 
 
+INSERTED = '<xacro:insert_block name="origin"/>'
+
+
+@pytest.mark.parametrize(
+    ("text", "repair"),
+    [
+        (f"<joint>{INSERTED}</joint>", "define it before this line"),
+        (f"<joint><origin/>{INSERTED}</joint>", "delete the line: the <joint> has its own <origin>"),
+        (
+            f'<!-- <xacro:macro name="m" params="a *origin"> --><joint>{INSERTED}</joint>',
+            "delete the line; or take the <xacro:macro> of line 3",
+        ),
+        (f'<!-- <xacro:macro name="m" params="*other"> --><joint>{INSERTED}</joint>', "define it before this line"),
+        (
+            f'<xacro:macro name="m" params=""><joint><origin/>{INSERTED}</joint></xacro:macro><xacro:m/>',
+            "define it before this line",
+        ),
+    ],
+)
+def test_a_block_that_a_macro_left_behind_is_to_be_deleted(tmp_path: Path, text: str, repair: str) -> None:
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.message_id == "undefined-block"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 CALLED = '<xacro:macro name="finger" params=""><link name="finger"/></xacro:macro>'
 CALLER = '<xacro:macro name="hand" params=""><xacro:finger/></xacro:macro>'
 

@@ -1317,6 +1317,14 @@ def test_only_the_first_element_of_a_geometry_is_its_shape(
     assert finding.consequences["urdfdom"].startswith(urdfdom)
 
 
+def test_friction_in_a_geometry_is_moved_to_the_link(tmp_path: Path) -> None:
+    geometry = '<box size="1 1 1"/><friction><ode><mu>0.1</mu><mu2>0.2</mu2></ode></friction>'
+    text = f'<robot name="r"><link name="l"><collision><geometry>{geometry}</geometry></collision></link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+    assert finding.fix is not None
+    assert '`<gazebo reference="l"><mu1>0.1</mu1><mu2>0.2</mu2></gazebo>` at the end of the robot' in finding.fix.title
+
+
 @pytest.mark.parametrize(
     ("element", "severity", "repair"),
     [

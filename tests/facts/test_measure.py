@@ -879,8 +879,8 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=3), "stl", "wrong-size", id="declares fewer"),
         pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=2**32 - 1), "stl", "truncated", id="declares 4e9"),
         pytest.param(binary_stl(BOX.vertices, BOX.faces, b"solid", 3), "stl", "wrong-size", id="solid, declares fewer"),
-        pytest.param(b"\0" * 84, "stl", "empty", id="STL of none"),
-        pytest.param(b"solid nothing\nendsolid\n", "stl", "empty", id="ASCII STL of none"),
+        pytest.param(b"\0" * 84, "stl", "no-facets", id="STL of none"),
+        pytest.param(b"solid nothing\nendsolid\n", "stl", "no-facets", id="ASCII STL of none"),
         pytest.param(exported(BOX, "stl_ascii")[:-100], "stl", "truncated", id="ASCII STL cut"),
         pytest.param(
             exported(BOX, "stl_ascii").rpartition(b"facet")[0] + b"fac", "stl", "truncated", id="cut in a word"

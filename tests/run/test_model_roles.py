@@ -179,6 +179,19 @@ def test_a_macro_that_a_model_forgets_to_call_leaves_a_library_but_an_idle_condi
     assert list_errors(check(Path("idle.urdf.xacro"))) == [("KIN007", "idle.urdf.xacro")]
 
 
+def test_what_completes_another_robot_is_no_robot_without_links(package: Path) -> None:
+    control = '<ros2_control name="c" type="system"><joint name="j"/></ros2_control>'
+    write(package, {"control.xacro": xacro(f'<xacro:macro name="control">{control}</xacro:macro>', "")})
+    write(package, {"control_test.urdf.xacro": xacro(include("control.xacro") + "<xacro:control/>")})
+    write(package, {"plugins.urdf": '<robot name="r"><gazebo><plugin name="p" filename="p.so"/></gazebo></robot>'})
+    write(package, {"idle.urdf.xacro": xacro("<gazebo/>" + unless_asked('<link name="a"/>'))})
+    write(package, {"empty.urdf.xacro": xacro("<gazebo/>" + unless_asked(include("arm.xacro") + "<xacro:arm/>"))})
+    assert list_errors(check(Path("empty.urdf.xacro"))) == [("KIN007", "empty.urdf.xacro")]
+    assert list_errors(check(Path("control_test.urdf.xacro"))) == []
+    assert list_errors(check(Path("plugins.urdf"))) == []
+    assert list_errors(check(Path("idle.urdf.xacro"))) == [("KIN007", "idle.urdf.xacro")]
+
+
 PARTS = {
     "taken": include("part.xacro"),
     "commented": f"<!-- {include('part.xacro')} -->",

@@ -145,6 +145,29 @@ def test_hidden_findings_are_named_by_what_hides_them() -> None:
     assert kept[0].data["hides"] == ["INR003"]
 
 
+def test_a_tensor_says_nothing_about_a_shape_of_its_link() -> None:
+    from urdfcheck.core import Location
+
+    rules, at = load_rules(), Location("link[wheel]/inertial", None)
+
+    def finding(code: str, message: str) -> Finding:
+        rule = rules[code]
+        return Finding(
+            code=code,
+            name=rule.name,
+            severity=rule.severity,
+            confidence=rule.confidence,
+            message_id=message,
+            headline="h",
+            message="m",
+            location=at,
+            subjects=(at.subject,),
+        )
+
+    found = [finding("INR009", "disagrees"), finding("JNT015", "drawn"), finding("JNT015", "inertia")]
+    assert [f.message_id for f in drop_superseded(found, rules)] == ["disagrees", "drawn"]
+
+
 def test_a_note_on_request_does_not_hide_what_counterparts_show() -> None:
     from dataclasses import replace
 

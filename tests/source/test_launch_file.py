@@ -465,6 +465,9 @@ def read(package: Path, text: str) -> tuple[list[str], list[str], str | None]:
     )
 
 
+ASKED = "m = os.path.join(get_package_share_directory('car'), 'urdf', 'bott.urdf.xacro')"
+
+
 @pytest.mark.parametrize(
     "code",
     [
@@ -475,6 +478,7 @@ def read(package: Path, text: str) -> tuple[list[str], list[str], str | None]:
         "m = 'é', f'{get_package_share_directory(\"car\")}/urdf/bott.urdf.xacro'",
         "m = FindPackageShare(package='car').find('car') + '/urdf/bott.urdf.xacro'",
         "s = FindPackageShare('car').find('car')\nn = 'bott.urdf.xacro'\nm = os.path.join(s, 'urdf', n)",
+        f"{ASKED}\nif not os.path.exists(m):\n  raise FileNotFoundError(m)",
     ],
 )
 def test_python_a_path_in_a_known_package_is_missing(package: Path, code: str) -> None:
@@ -495,6 +499,8 @@ def test_python_a_path_in_a_known_package_is_missing(package: Path, code: str) -
         "def f(n):\n  return get_package_share_directory('car') + '/%s.urdf' % n",
         "m = f'{prefix}_arm.urdf'; k = '{}.urdf'.format(1); g = '/tmp/x.urdf'; h = 'xacro a.urdf'; i = '.urdf'",
         "a = a + '/x.urdf'\nb = c + c\nc = b + 'x.urdf'",
+        f"{ASKED}\nt = process_file(m) if os.path.exists(m) else ''",
+        f"{ASKED}\nif not Path(m).is_file():\n  print(m)",
     ],
 )
 def test_python_what_cannot_be_known_is_not_called_missing(package: Path, code: str) -> None:

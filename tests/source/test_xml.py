@@ -239,6 +239,9 @@ def test_nesting_ends_at_a_limit() -> None:
         ("<robot>\n<link>", "the file ends before <link>, opened in line 2, is closed", 2, 7),
         ('<robot>\n  <link name="é', "the tag that begins here has no end", 2, 3),
         ("<robot>\n é <!-- a --", "the comment that begins here has no end", 2, 4),
+        ("<robot>\n <!--link name='a'>\n</link>\n</robot>", "only the start tag of <link> was made a comment", 2, 2),
+        ("<!--launch>\n<node/>\n</launch>", "only the start tag of <launch> was made a comment", 1, 1),
+        ("<robot>\n <!--link name='a'>\n</robot>", "the comment that begins here has no end", 2, 2),
         ("<robot>\n <![CDATA[ ]]", "the CDATA section that begins here has no end", 2, 2),
         (
             "<robot>\n  <link></robot>",

@@ -5,16 +5,19 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.uses_elsewhere import find_other_includers
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    if not model.links and not model.joints:
+        return  # the block alone, as a test expands it
     for tag in ("ros2_control", "transmission"):
         severity = Severity.WARNING if tag == "transmission" and not reads_transmissions(model) else None
         foreign: list[Attribute] = []
@@ -43,7 +46,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 )
         if foreign:
             left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
-            yield _build_foreign_finding(rule, tag, foreign, left, severity=severity)
+            yield _build_foreign_finding(model, rule, tag, foreign, left, severity=severity)
 
 
 def _collect_named_joints(model: Model, tag: str) -> set[str]:
@@ -53,30 +56,40 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
 
 
 def _build_foreign_finding(
-    rule: Rule, tag: str, names: list[Attribute], left: list[str], *, severity: Severity | None
+    model: Model, rule: Rule, tag: str, names: list[Attribute], left: list[str], *, severity: Severity | None
 ) -> Finding:
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     typed = list(dict.fromkeys(name.value for name in names))
+    span, via = names[0].span, names[0].location.via
+    others = find_other_includers(model.source, span.file) if span is not None and via else []
     finding = rule.finding(
         f"{tag}-strange",
-        at=names[0],
+        # The numbers of a file that other robots include may be right for them.
+        at=Location(names[0].location.subject, via[0]) if others else names[0],
         severity=severity,
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
-        repair=_describe_repair(tag, typed, left),
+        repair=_describe_repair(tag, typed, left, others),
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
 
 
-def _describe_repair(tag: str, names: list[str], left: list[str]) -> str:
-    """Say what to write for names unlike any of the robot's. ``left``: its joints that no block names."""
+def _describe_repair(tag: str, names: list[str], left: list[str], others: list[str]) -> str:
+    """Say what to write for names unlike any of the robot's.
+
+    ``left``: its joints that no block names; ``others``: the other files that include the one with the names.
+    """
     unfilled = UNFILLED.search(names[0])
     if unfilled is not None and all(map(UNFILLED.search, names)):
         return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
     entries = "transmissions" if tag == "transmission" else "entries"
     meant = _pair_shortened_names(names, left)
+    if others and not meant:
+        return (
+            f"leave out these {entries} here, or make their names arguments; they may be right for {join_names(others)}"
+        )
     own = f"write {join_names(meant)} for {join_names(names)}" if meant else "write the joints of this robot"
     return f"{own}, delete the {entries}, or move them to the part that has these joints"
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
@@ -112,14 +113,49 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
         for joint in transmission.find_children("joint")
         if _drives_joint(transmission, joint)
     ]
+    held: dict[str, list[Element]] = {}
     for message, severity, what, element in commanded:
         joint = model.joint_by_name.get(element.get("name"))
         if joint is not None and joint.type == "fixed":
-            yield rule.finding(
-                "fixed", at=element, severity=Severity.WARNING, related=[joint], joint=joint.name, what=what
-            )
+            held.setdefault(what, []).append(element)
         elif joint is not None and joint.mimic is not None:
             leader = joint.mimic.get("joint")
             yield rule.finding(
                 message, at=element, severity=severity, related=[joint.mimic], joint=joint.name, leader=leader
             )
+    for what, elements in held.items():
+        driven = [element for _, _, kind, element in commanded if kind == what and element not in elements]
+        yield _build_fixed_finding(model, rule, what, elements, driven)
+
+
+def _build_fixed_finding(
+    model: Model, rule: Rule, what: str, elements: Sequence[Element], driven: Sequence[Element]
+) -> Finding:
+    """Report what commands fixed joints: where a line of a macro does so, and is right for the ``driven`` ones, at its calls."""
+    joints = [model.joint_by_name[element.get("name")] for element in elements]
+    calls = [_find_call(element, driven) for element in elements]
+    places = [element.location if call is None else call for element, call in zip(elements, calls, strict=True)]
+    finding = rule.finding(
+        "fixed",
+        at=places[0],
+        severity=Severity.WARNING,
+        related=[*places[1:], *joints],
+        joints=join_names(joint.name for joint in joints),
+        count="1 fixed joint has" if len(joints) == 1 else f"{len(joints)} fixed joints have",
+        what=what,
+        verb="is fixed and cannot move, but has" if len(joints) == 1 else "are fixed and cannot move, but have",
+        repair=f"delete the {what}, or make the joint movable"
+        if not any(calls)
+        else f"if the joint is to move, pass its type in the call; otherwise leave the {what} of fixed joints out of the macro",
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(element.location.subject for element in elements)))
+
+
+def _find_call(element: Element, driven: Sequence[Element]) -> Location | None:
+    """Return the innermost call of a macro by which an element differs from one of the same line for a joint that moves."""
+    for other in driven:
+        calls = zip(reversed(element.via), reversed(other.via), strict=False)
+        for depth, (call, there) in enumerate(calls, start=1):
+            if element.span == other.span and call != there:
+                return Location(element.subject, call, element.via[:-depth])
+    return None

@@ -116,13 +116,22 @@ def _collect_joints(plugin: DrivePlugin) -> set[str]:
 
 
 def _build_sideways_finding(model: Model, rule: Rule, sides: Sequence[Sequence[str]]) -> Finding:
-    joints = [model.joint_by_name[name] for side in sides for name in side]
+    from urdfcheck.model.ground.drive_wheels import turn_with_axes
+
+    names = [name for side in sides for name in side]
+    joints = [model.joint_by_name[name] for name in names]
+    repair = (
+        "turn the joints of the wheels, and what is drawn or collides upright already back by as much,"
+        if turn_with_axes(model, names)
+        else "turn the joints of the wheels, or only their axes if the wheels are drawn and collide upright,"
+    )
     return rule.finding(
         "sideways",
         at=joints[0].axis_location,
         related=[joint.axis_location for joint in joints[1:]],
         left=sides[0][0],
         right=sides[1][0],
+        repair=repair,
         axis=format_point(model.axes[joints[0].name], decimals=3),
     )
 

@@ -164,12 +164,14 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
             units = _guess_unit_mismatch(pair.ratio)
             owner = None if units else _find_owner(model, body, link)
             is_token = message == "size" and not units and _is_token(model, link, pair)
+            keeps_room = message == "size" and not units and owner is None and _keeps_room(link, pair)
+            repair = _describe_repair(message, pair, owner)
             yield rule.finding(
                 "token" if is_token else message,
                 at=_locate(link, message),
-                severity=Severity.INFO if is_token else None,
+                severity=Severity.INFO if is_token or keeps_room else None,
                 cause="units" if units else "neighbour" if owner else None,
-                repair=_describe_repair(message, pair, owner),
+                repair=f"nothing if more room is meant to be kept; otherwise {repair}" if keeps_room else repair,
                 owner=owner.link.name if owner else "",
                 twin=owner.twin if owner else "",
                 **_collect_data(link, pair, units),
@@ -227,6 +229,14 @@ def _is_ground(model: Model, pair: _BoxPair) -> bool:
     sheet = _PADDING * _measure_diagonal(drawn)
     is_top = drawn[1, 2] - drawn[0, 2] <= sheet and abs(float(solid[1, 2] - drawn[1, 2])) <= sheet
     return is_top and pair.ratio > 1 and not any(joint.is_movable for joint in model.joints)
+
+
+def _keeps_room(link: Link, pair: _BoxPair) -> bool:
+    """Whether several primitives, arranged by hand, are around all that a link draws: a planner may be meant to stay away."""
+    shapes = [shape for shape in link.collisions if not is_dummy_shape(shape)]
+    (least, most), (low, high) = _pad_box(pair.collision_box), pair.visual_box
+    is_around = bool((least <= low).all() and (high <= most).all())
+    return is_around and len(shapes) > 1 and all(shape.kind != "mesh" for shape in shapes)
 
 
 def _is_token(model: Model, link: Link, pair: _BoxPair) -> bool:

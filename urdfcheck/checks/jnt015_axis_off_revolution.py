@@ -125,7 +125,7 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
         return
     upright = next((witness for witness in against if _stands_across(model, wheel, witness)), None)
     if upright is not None:
-        yield _build_axis_finding(model, rule, wheel, drawn=upright, limit=limit)
+        yield _build_upright_finding(model, rule, wheel, drawn=upright, others=others)
         return
     for witness in against:
         yield _build_witness_finding(model, rule, wheel, witness, others=others)
@@ -154,7 +154,7 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
 def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -> bool:
     """Whether a wheel is drawn upright, but its joint turns it about a plumb line.
 
-    A collision shape that agrees with such a joint was forgotten: a cylinder that is not rotated is round about z.
+    A collision shape that agrees with such a joint shows nothing: a cylinder that is not rotated is round about z.
     """
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
     is_plumb = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
@@ -281,16 +281,30 @@ def _build_axis_finding(
     element = joint.axis_element
     attribute = None if element is None else element.attributes.get("xyz")
     agreeing = [witness.kind for witness in wheel.evidence if measure_line_angle(witness.axis, drawn.axis) <= limit]
-    has_allies = any(measure_line_angle(witness.axis, wheel.axis) <= limit for witness in wheel.evidence)
     return rule.finding(
         "default" if attribute is None else "axis",
         at=joint.axis_location,
-        # What agrees with the axis now must be turned with it, and only the author can say how.
-        edits=() if has_allies else edit_numbers(attribute, _format_axis(own)),
+        edits=edit_numbers(attribute, _format_axis(own)),
         witnesses=" and ".join(agreeing),
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
         own=_format_axis(own),
+        **wheel.names,
+    )
+
+
+def _build_upright_finding(
+    model: Model, rule: Rule, wheel: _SuspectWheel, *, drawn: _AxisEvidence, others: Sequence[str]
+) -> Finding:
+    """Report a wheel that is drawn upright on a joint about a plumb line, about which the ``others`` are round."""
+    return rule.finding(
+        "upright",
+        at=wheel.joint.axis_location,
+        related=[drawn.location],
+        others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
+        turned=" and ".join(others),
+        angle=math.degrees(measure_line_angle(drawn.axis, wheel.axis)),
+        own=_format_axis(drawn.axis * _choose_axis_sign(model, wheel.joint, drawn.axis)),
         **wheel.names,
     )
 

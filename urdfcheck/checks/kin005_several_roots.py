@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_count, join_names
@@ -22,6 +23,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if len(pieces) - unknown < 2:
         return
     roots = [next(link for link in piece if not parents[link]) for piece in pieces]
+    # The file of the model as typed: what an included file makes may be needed by the other models that include it.
+    spans = [model.link_by_name[root].element.span for root in roots]
+    is_own = all(span is not None and span.file == model.source.name for span in spans)
     yield rule.finding(
         "pieces",
         at=model.link_by_name[roots[1]],
@@ -32,7 +36,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             f"{root} ({format_count(len(piece), 'link')})" for root, piece in zip(roots[1:], pieces[1:], strict=True)
         ),
         roots=roots,
+        inside="" if is_own else f" in {Path(model.source.name).name}",
+        repair=_describe_joints(roots, [len(piece) for piece in pieces])
+        + (", or delete unused links" if is_own else ", in the model's own file"),
     )
+
+
+def _describe_joints(roots: list[str], sizes: list[int]) -> str:
+    """Say which joints are missing: a single link that stands for the ground is the parent."""
+    if len(roots) == 2:
+        for (ground, size), other in zip(zip(roots, sizes, strict=True), reversed(roots), strict=True):
+            if size == 1 and (ground == "world" or ground.endswith("footprint")):
+                return f"add a joint, often a fixed one, from {ground} to {other}"
+    return "add a joint, often a fixed one, from the first piece to each of the others"
 
 
 def _find_explained_links(graph: KinematicGraph) -> tuple[set[str], int]:

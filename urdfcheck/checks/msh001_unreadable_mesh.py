@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError
-from urdfcheck.model import Model
+from urdfcheck.model import Link, Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
@@ -27,8 +27,11 @@ MATERIAL_REPAIR = (
     "or export the mesh with its materials"
 )
 DEFAULT_REPAIR = "export or download the file again"
+# The exporter wrote what the part has.
+_BARE_REPAIR = "delete the shape if the link only marks a frame; otherwise export the part with its surface"
+_FRAME_REPAIR = "delete the shape: {} has no mass and a fixed joint, as a frame has"
 # Files that no program can load as a mesh.
-NO_MESH = frozenset({"empty", "html"})
+NO_MESH = frozenset({"empty", "no-facets", "html"})
 # PKG009 and URC905 report these.
 REPORTED_ELSEWHERE = frozenset({"lfs-pointer", "too-large"})
 # Formats for which programs have their own loaders, which may read files that ours and Assimp refuse. MuJoCo's loader for STL is
@@ -50,12 +53,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if error is not None and error.reason_id not in REPORTED_ELSEWHERE:
             message = _choose_message(error)
             severity = Severity.WARNING if message == "unread" else None
-            yield _build_finding(rule, uses, message, error.message, reason_id=error.reason_id, severity=severity)
+            is_bare = error.reason_id == "no-facets"
+            repair = _describe_bare_repair(model, uses) if is_bare else _describe_repair(error.message, error.reason_id)
+            yield _build_finding(
+                rule, uses, message, error.message, reason_id=error.reason_id, severity=severity, repair=repair
+            )
         elif facts is not None and facts.flaw is not None:
             message = {"refuses": "refused", "loads": "tolerated"}.get(facts.assimp, "broken")
             only_image = message == "tolerated" and _MISSING_IMAGE in facts.flaw
             severity = None if message == "refused" else Severity.INFO if only_image else Severity.WARNING
-            yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity)
+            repair = _describe_repair(facts.flaw, "flaw")
+            yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity, repair=repair)
 
 
 def _choose_message(error: MeshError) -> str:
@@ -69,7 +77,14 @@ def _choose_message(error: MeshError) -> str:
 
 
 def _build_finding(
-    rule: Rule, uses: Sequence[MeshUse], message: str, reason: str, *, reason_id: str, severity: Severity | None
+    rule: Rule,
+    uses: Sequence[MeshUse],
+    message: str,
+    reason: str,
+    *,
+    reason_id: str,
+    severity: Severity | None,
+    repair: str,
 ) -> Finding:
     return rule.finding(
         message,
@@ -80,7 +95,7 @@ def _build_finding(
         consequences=_describe_consequences(rule, uses, message, reason_id),
         mesh=uses[0].filename.value,
         reason=reason,
-        repair=_describe_repair(reason, reason_id),
+        repair=repair,
         reason_id=reason_id,
     )
 
@@ -89,6 +104,20 @@ def _describe_repair(reason: str, reason_id: str) -> str:
     if NOT_VECTORS in reason:
         return COUNT_REPAIR
     return MATERIAL_REPAIR if _MISSING_MATERIAL.search(reason) else REPAIRS.get(reason_id, DEFAULT_REPAIR)
+
+
+def _describe_bare_repair(model: Model, uses: Sequence[MeshUse]) -> str:
+    """Say what to do with a mesh of no triangles: the exporter of a bare frame writes one."""
+    link = uses[0].link
+    is_frame = _is_massless_and_fixed(model, link) and all(use.link is link for use in uses)
+    return _FRAME_REPAIR.format(link.name) if is_frame else _BARE_REPAIR
+
+
+def _is_massless_and_fixed(model: Model, link: Link) -> bool:
+    """Whether a link has no mass, or zero, and hangs on a fixed joint."""
+    return (link.inertial is None or link.inertial.mass == 0) and any(
+        joint.child == link.name and joint.type == "fixed" for joint in model.joints
+    )
 
 
 def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str, reason_id: str) -> dict[str, str]:

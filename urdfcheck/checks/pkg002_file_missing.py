@@ -14,12 +14,14 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.similar_files import (
+    MOVED,
     FilesByName,
     describe_uninstalled_file,
     find_moved_files,
     find_similar_name,
     find_uninstalled_file,
     index_files,
+    is_of_variant,
     normalise_path,
     select_python_data,
 )
@@ -38,6 +40,7 @@ from urdfcheck.source.resources import (
     find_missing_path,
     find_search_root,
     format_path_from_model,
+    get_path_in_package,
     is_misspelt,
     list_resource_uses,
 )
@@ -151,11 +154,12 @@ def _build_finding(
     package = source.finder.find_package_of(normalise_path(path)) if at.resource.package else None
     elsewhere = find_uninstalled_file(path, package, index)
     similar = moved.get(normalise_path(path))
-    similar_files = [similar] if similar else _find_similar_files(path, index)
-    near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)]
+    owners = [] if similar or elsewhere else _find_owner(gap, source)
+    similar_files = [similar] if similar else [] if owners else _find_similar_files(normalise_path(path), index)
+    near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)] + owners
     argued, places = _explain_by_argument(gap, source)
     outside = {} if argued or elsewhere else _find_outside(gap, source)
-    here = {} if argued or elsewhere or similar_files or outside else _find_files_here(gap, source)
+    here = {} if argued or elsewhere or similar_files or owners or outside else _find_files_here(gap, source)
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
     hint = argued or (
         _describe_place(outside, source)
@@ -164,6 +168,8 @@ def _build_finding(
         if elsewhere
         else _describe_other_package(package, here, source)
         if package is not None and here
+        else f" (did you mean the package {join_names(owners)}, which has them?)"
+        if owners
         else f" (did you mean {join_names(near, 2)}?)"
         if near
         else ""
@@ -190,6 +196,25 @@ def _build_finding(
         hint=hint,
         folder=format_path(gap.folder or path.parent),
     )
+
+
+def _find_owner(gap: _MissingFiles, source: Source) -> list[str]:
+    """Return the only other package that has all files of a missing folder at the same paths, by its name.
+
+    One file of such a path may be another robot's, several are the robot's own.
+    """
+    named = [use.resource for use in gap.uses if use.resource.package]
+    if gap.folder is None or len(named) < len(gap.uses) or len(gap.files) < MOVED:
+        return []
+    inside = {get_path_in_package(resource.text, resource.package or "") for resource in named}
+    own = {resource.package for resource in named}
+    owners = [
+        name
+        for name, folder in source.finder.list_packages().items()
+        if name not in own
+        and all(source.finder.can_open(f) and f.is_file() for f in (folder / path for path in inside))
+    ]
+    return owners if len(owners) == 1 else []
 
 
 def _find_files_here(gap: _MissingFiles, source: Source) -> dict[str, Path]:
@@ -247,8 +272,11 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
 
 
 def _find_similar_files(path: Path, index: FilesByName) -> list[Path]:
-    """Return up to two files of the same name elsewhere in the package, or one with the same words in its name beside it."""
-    same = [p for p in index.get(path.name.lower(), []) if p != path]
+    """Return up to two files of the same name elsewhere in the package, or one with the same words in its name beside it.
+
+    None is of another variant of the robot.
+    """
+    same = [p for p in index.get(path.name.lower(), []) if p != path and not is_of_variant(path, p)]
     try:
         beside = os.listdir(path.parent)
     except OSError:

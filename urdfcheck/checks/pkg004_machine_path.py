@@ -167,7 +167,7 @@ def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:
 
 def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str | None], source: Source) -> str:
     """Say what to write, or to move the files first."""
-    if message == "installed" or (not any(portable) and all(map(_find_installed_path, place.uses))):
+    if message == "installed" or (not any(portable) and _are_of_other_packages(place, source)):
         others = ", and the others likewise" if len({use.resource.text for use in place.uses}) > 1 else ""
         return f"write `{_find_installed_path(place.uses[0])}`{others}, and declare the dependency in package.xml"
     paths = [path for path in portable if path is not None]
@@ -187,6 +187,13 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         own = f"package://{source.package.name}/{namesakes[0]}"
         repair = f"if {namesakes[0]} of the package is the file that is meant, write `{own}`{others}; else {repair}"
     return f"{repair}; if you trust the place, allow its folder: --allow-read DIR" if message == "unread" else repair
+
+
+def _are_of_other_packages(place: _MachinePath, source: Source) -> bool:
+    """Whether all files are in installed packages, and none of these is the model's own."""
+    own = "" if source.package is None else f"package://{source.package.name}/"
+    paths = [_find_installed_path(use) for use in place.uses]
+    return all(path is not None and not (own and path.startswith(own)) for path in paths)
 
 
 def _find_future_path(use: ResourceUse, source: Source) -> str | None:

@@ -53,6 +53,11 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
+# The start tag of a macro inside a comment.
+_COMMENTED_MACRO = re.compile(
+    r"""<!--(?:(?!-->).)*?(?P<macro><xacro:macro\s(?:(?!-->)[^>])*?\bparams\s*=\s*["'](?P<params>[^"']*)["'])""",
+    re.DOTALL,
+)
 _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
@@ -321,7 +326,32 @@ def _explain_undefined_block(failure: _ExpansionFailure, match: re.Match[str]) -
     trees = failure.source.trees
     known = {*collect_properties(trees), *(p for m in collect_macros(trees).values() for p in m.parameters)}
     name = match.group(1)
-    return _build_report(failure, "undefined-block", name=name, hint=format_name_hint(name, known))
+    repair = _describe_leftover_block(failure, name) or (
+        f'define it before this line: `<xacro:property name="{name}">…</xacro:property>`, '
+        f"or, in a macro, add `*{name}` to its params"
+    )
+    return _build_report(failure, "undefined-block", name=name, hint=format_name_hint(name, known), repair=repair)
+
+
+def _describe_leftover_block(failure: _ExpansionFailure, name: str) -> str:
+    """Say what to do with an inserted block that a macro has left behind: outside any macro, where the element has one of its
+    kind, or below the macro's start tag in a comment. Empty for another."""
+    element, span = _find_failing_element(failure), failure.problem.location.span
+    if element is None or element.parent is None or span is None or _find_macro_around(failure):
+        return ""
+    parent, text = element.parent.tag, failure.source.files[span.file].text
+    macros = [
+        comment
+        for comment in _COMMENTED_MACRO.finditer(text, 0, span.start)
+        if name in (parameter.lstrip("*") for parameter in comment["params"].split() if parameter.startswith("*"))
+    ]
+    if element.parent.find_child(name) is None and not macros:
+        return ""
+    repair = "delete the line" + (f": the <{parent}> has its own <{name}>" if element.parent.find_child(name) else "")
+    if macros:
+        line = text.count("\n", 0, macros[-1].start("macro")) + 1
+        repair += f"; or take the <xacro:macro> of line {line} and its end tag out of their comments, and call it"
+    return repair
 
 
 def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

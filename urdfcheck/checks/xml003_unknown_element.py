@@ -61,6 +61,8 @@ _SDF_OF_SHAPES = frozenset({"surface", "max_contacts", "laser_retro"})
 # What sdformat reads directly in <gazebo>: parts of a surface that have other names there than in SDF, and all of them.
 _URDF_OF_CONTACTS = frozenset({"mu1", "minDepth", "maxVel"})
 _OF_CONTACTS = frozenset({*_URDF_OF_CONTACTS, "mu2", "fdir1", "kp", "kd"})
+# What holds the friction of a shape in SDF.
+_FRICTION = frozenset({"surface", "friction", "ode"})
 # Those of a whole model: sdformat hands them to it only from a <gazebo> without a reference.
 _SDF_OF_MODELS = {
     "plugin": "move it into a `<gazebo>` without reference; the plugin of a sensor belongs inside its <sensor>",
@@ -312,9 +314,7 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         message = "pose" if parent == "robot" and child.tag == "origin" else "misplaced"
         return message, Severity.WARNING, {"homes": listed, "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
-        is_first = _is_in_place_of_shape(child)
-        repair = "replace it by a box, cylinder, sphere or mesh" if is_first else "delete it: the shape is before it"
-        return "shape", Severity.ERROR, {"repair": repair}
+        return "shape", Severity.ERROR, {"repair": _describe_shape_repair(places)}
     if parent == "robot":
         return None
     if child.tag in _SDF:
@@ -464,11 +464,7 @@ def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
     if child.tag in _SDF_OF_MODELS:
         return _SDF_OF_MODELS[child.tag]
     around = parent if parent == "visual" else "collision"
-    owner = _find_around(child, "link", "joint")
-    # In a macro the name is another one at each call.
-    name = owner.attributes["name"].typed if owner is not None and "name" in owner.attributes else "LINK"
-    where = "after the link" if "$" in name else "at the end of the robot"
-    others = ", and the others likewise" if len({place.span for place in places}) > 1 else ""
+    name, where, others = _describe_block_place(places)
     # In the block, sdformat writes a <gravity> of its own before this one, which then does not count.
     is_off = child.tag == "gravity" and not all(map(_holds_sdf_defaults, places))
     inside = "<turnGravityOff>true</turnGravityOff>" if is_off else "…"
@@ -485,6 +481,35 @@ def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
     if child.tag in _SDF_OF_SHAPES and any(map(_is_in_named_shape, places)):
         repair += f", and delete the name of the <{around}>, with which Gazebo ignores this block (GZB003)"
     return repair
+
+
+def _describe_block_place(places: list[Element]) -> tuple[str, str, str]:
+    """Return the name of the link or joint that a <gazebo> block for the first place refers to, where to write the block, and a
+    word about the other places."""
+    owner = _find_around(places[0], "link", "joint")
+    # In a macro the name is another one at each call.
+    name = owner.attributes["name"].typed if owner is not None and "name" in owner.attributes else "LINK"
+    where = "after the link" if "$" in name else "at the end of the robot"
+    return name, where, ", and the others likewise" if len({place.span for place in places}) > 1 else ""
+
+
+def _describe_shape_repair(places: list[Element]) -> str:
+    """Say what to do with an element of a geometry that is no shape."""
+    child = places[0]
+    is_first = _is_in_place_of_shape(child)
+    if child.tag in _FRICTION and (not is_first or (child.parent is not None and len(child.parent.children) > 1)):
+        return _describe_friction_repair(places)
+    return "replace it by a box, cylinder, sphere or mesh" if is_first else "delete it: the shape is before it"
+
+
+def _describe_friction_repair(places: list[Element]) -> str:
+    """Say where the friction of a link is read that is typed beside its shape."""
+    name, where, others = _describe_block_place(places)
+    typed = {e.tag: e.text.strip() for e in places[0].walk() if e.tag in {"mu", "mu1", "mu2"}}
+    if any(place.span == places[0].span for place in places[1:]):  # a macro, whose calls may give other numbers
+        typed = {}
+    inside = f"<mu1>{typed.get('mu') or typed.get('mu1') or '…'}</mu1><mu2>{typed.get('mu2') or '…'}</mu2>"
+    return f'write `<gazebo reference="{name}">{inside}</gazebo>` {where} instead{others}: friction is of the link'
 
 
 def _is_in_named_shape(element: Element) -> bool:

@@ -96,6 +96,8 @@ class Rule:
     """Message id → codes of the rules that may be the cause of what a simulation shows, the likeliest first."""
     repeats: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     """Message id → codes of the rules that derive from the file what a simulation shows: how bad it is is theirs to say."""
+    never_hidden: frozenset[str] = frozenset()
+    """Ids of the messages that the rules in ``hidden_by`` do not supersede: they are about another part of the element."""
     layers: tuple[str, ...] = ("visual",)
     """What the 3D view of the report shows for a finding: layers of its viewer."""
 

@@ -41,7 +41,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
     inherited: dict[int, Severity] = {}
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
-        stronger = rule.hidden_by if rule is not None else ()
+        stronger = rule.hidden_by if rule is not None and finding.message_id not in rule.never_hidden else ()
         is_compared = rule is not None and "symmetry" in rule.tags
         elements = set(map(_get_element, finding.subjects))
         between = set(map(_get_element, finding.data.get("between", ())))

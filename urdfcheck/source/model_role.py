@@ -18,6 +18,8 @@ _FOR_WANT_OF_CONTEXT = frozenset({"expansion-failed", "argument-missing", "inclu
 _SEMANTIC = frozenset({"group", "group_state", "virtual_joint", "passive_joint", "end_effector", "disable_collisions"})
 # A long name is not shown whole.
 _LONGEST_NAME = 60
+# What completes a robot and names its links or joints.
+_COMPLETING = frozenset({"ros2_control", "gazebo", "transmission"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,6 +44,7 @@ class ModelRole:
 MODEL = ModelRole("model")
 LIBRARY = ModelRole("library", "only defines macros")
 SEMANTIC_DESCRIPTION = ModelRole("library", "describes another robot (SRDF)")
+FRAGMENT = ModelRole("library", "holds only what completes another robot")
 
 
 def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False) -> ModelRole:
@@ -62,6 +65,8 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
             return MODEL
         if _is_semantic(root):
             return SEMANTIC_DESCRIPTION
+        if _is_fragment(source, root):
+            return FRAGMENT
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
         return MODEL
@@ -121,6 +126,18 @@ def _is_library(source: Source) -> bool:
 def _is_semantic(root: Element) -> bool:
     """Whether a robot without links and joints is the semantic description of another one."""
     return any(child.tag in _SEMANTIC for child in root.children)
+
+
+def _is_fragment(source: Source, root: Element) -> bool:
+    """Whether a robot without links and joints completes another one: no file that was read could make a link."""
+    if not any(child.tag in _COMPLETING for child in root.children):
+        return False
+    # An include under a condition may be one that was not read.
+    return not any(
+        element.tag == "link" or (element.tag in {"xacro:if", "xacro:unless"} and any(map(is_include, element.walk())))
+        for tree in source.trees.values()
+        for element in tree.walk()
+    )
 
 
 def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) -> ModelRole:

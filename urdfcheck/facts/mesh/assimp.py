@@ -18,7 +18,7 @@ from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 # The formats of robots. Not glTF, whose buffers are other files; not OFF and PLY, of which hand-made files crash Assimp 6.0.
 FORMATS = frozenset({"stl", "obj", "dae"})
 # Reasons that do not depend on the reader: what is no mesh, what is given to no library, and formats that we do not read.
-SETTLED = frozenset({"empty", "html", "lfs-pointer", "too-large", "archive", "unsupported"})
+SETTLED = frozenset({"empty", "no-facets", "html", "lfs-pointer", "too-large", "archive", "unsupported"})
 # Elements of COLLADA within each other; of published meshes, none has 30. Assimp's stack ends at some 10,000.
 MAX_DEPTH = 200
 _TOKEN = re.compile(

@@ -99,7 +99,7 @@ def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshErr
         raise MeshError("malformed", f"cannot be read as {file_type}: {type(error).__name__}: {text}") from error
     if not mesh.n_triangles:
         # Other formats may hold what another program makes a shape of: points, lines, several scenes.
-        raise MeshError("empty" if file_type == "stl" else "no-triangles", "has no triangles")
+        raise MeshError("no-facets" if file_type == "stl" else "no-triangles", "has no triangles")
     return mesh
 
 

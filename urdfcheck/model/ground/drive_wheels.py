@@ -155,6 +155,18 @@ def are_wheels_sideways(model: Model, left: Sequence[str], right: Sequence[str])
     )
 
 
+def turn_with_axes(model: Model, joints: Sequence[str]) -> bool:
+    """Whether what one of these wheels collides as or draws is round about its joint's axis: not about another axis.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    return any(
+        measure_outline(points, model.axes[name], _locate_joint(model, name)).is_round()
+        for name in joints
+        for points in _place_link_points(model, model.joint_by_name[name].child)
+    )
+
+
 def _locate_middles(model: Model, joint: str) -> list[Array]:
     """Return the middles (3,) of what a wheel collides as and of what it draws, in root coordinates."""
     placed = _place_link_points(model, model.joint_by_name[joint].child)

@@ -342,12 +342,23 @@ def _is_same_arrangement(one: Sequence[Array], other: Sequence[Array]) -> bool:
 
 
 def _transform_to_copy(source: PartCopy, target: PartCopy) -> DeclaredInertial:
-    """Return the inertial of one copy as that of another, in the other's frame. One COM in both frames stays, where the drawings
-    are placed apart by no more than a hand measures."""
+    """Return the inertial of one copy as that of another, in the other's frame.
+
+    One COM in both frames stays where the drawings are placed apart by no more than a hand measures, or where the tensor is one
+    too: then the numbers were copied, and only the drawing was moved.
+    """
     linear, own = target.linear @ source.linear.T, source.numbers.com
     com = linear @ (own - source.shift) + target.shift
-    is_one = np.array_equal(own, target.numbers.com) and float(np.linalg.norm(com - own)) <= _SAME_PLACE
-    return turn_inertial(source.numbers, linear, com=own if is_one else com)
+    moved = turn_inertial(source.numbers, linear, com=com)
+    is_copied = np.array_equal(own, target.numbers.com) and (
+        float(np.linalg.norm(com - own)) <= _SAME_PLACE or _have_one_tensor(moved, target.numbers)
+    )
+    return turn_inertial(source.numbers, linear, com=own) if is_copied else moved
+
+
+def _have_one_tensor(one: DeclaredInertial, other: DeclaredInertial) -> bool:
+    """Whether two tensors agree in the frame of the link, to the last digits that a turn leaves."""
+    return bool(np.allclose(one.inertia, other.inertia, rtol=1e-9, atol=1e-9 * float(np.abs(other.inertia).max())))
 
 
 def _transform_about(numbers: DeclaredInertial, linear: Array, centre: Array) -> DeclaredInertial:

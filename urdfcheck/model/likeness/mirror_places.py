@@ -210,12 +210,19 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
     if odd.attribute == "xyz":
         signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
         words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
-    expected = " ".join(words)
+    expected, what = " ".join(words), "axis" if is_axis else f"origin's {odd.attribute}"
+    repair, edits = f"write {expected} in the {what} of {joint.name}", list[Edit]()
+    if not joint.is_movable:
+        # A part is bolted where there is room for it.
+        repair = f"if {joint.name} is meant to be placed like the others, {repair}; otherwise say so in a comment"
+    elif attribute is not None:
+        edits = edit_all_numbers([(attribute, expected)])
     data = {
         "joint": joint.name,
+        "repair": repair,
         "count": len(odd.others),
         "like": join_names(one.name for one in odd.others),
-        "what": "axis" if is_axis else f"origin's {odd.attribute}",
+        "what": what,
         "typed": "1 0 0" if attribute is None and is_axis else "0 0 0" if attribute is None else attribute.value,
         "expected": expected,
     }
@@ -224,7 +231,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         joints=(joint,),
         at=places[0],
         related=tuple(places[1:]),
-        edits=tuple(edit_all_numbers([(attribute, expected)]) if attribute is not None else ()),
+        edits=tuple(edits),
         data=data,
     )
 

@@ -275,13 +275,16 @@ def _place_shape(shape: Shape, frame: Array) -> Array:
 
 
 def _read_angles(element: Element | None, most: int) -> Array | None:
-    """Read the angles (rad) of a ``<horizontal>`` or ``<vertical>``, at most so many; 0 alone without the element."""
+    """Read the angles (rad) of a ``<horizontal>`` or ``<vertical>``, at most so many; 0 alone without the element.
+
+    Rising: a scan from a greater angle to a smaller one has the same rays.
+    """
     if element is None:
         return np.zeros(1)
     samples, low, high = (_read_number(element, name) for name in ("samples", "min_angle", "max_angle"))
     if samples is None or low is None or high is None or samples < 1 or not abs(low) + abs(high) < 20:
         return None
-    return np.linspace(low, high, int(min(samples, most))) if high > low else np.array([low])
+    return np.array([low]) if low == high else np.linspace(min(low, high), max(low, high), int(min(samples, most)))
 
 
 def _read_number(element: Element, tag: str) -> float | None:

@@ -175,6 +175,7 @@ class PythonLaunchReader:
         by_literal: dict[str, Path | None] = {}
         parts = _collect_partial_texts(self.nodes)
         around = self.find_variable_paths()
+        tested = self.list_tested_paths()
         for node in self.nodes:
             if id(node) in joined:
                 continue
@@ -198,13 +199,15 @@ class PythonLaunchReader:
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
+                if exact[0] in tested:
+                    continue
                 if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact, MODEL_SUFFIXES)):
                     missing[str(exact[0])] = node
             elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
         if models or missing:
             unknown = {}
-        includes = self.locate_paths(self.find_missing_includes())
+        includes = self.locate_paths(self.find_missing_includes(tested))
         return PythonLaunch(
             file=self.file,
             models=tuple(models),
@@ -256,8 +259,28 @@ class PythonLaunchReader:
                 names[self.texts.get_argument_name(followed) or _shorten(ast.unparse(part))] = None
         return ", ".join(names)
 
-    def find_missing_includes(self) -> dict[str, ast.expr]:
-        """Return the paths of launch files in a known package that do not exist."""
+    def list_tested_paths(self) -> set[Path]:
+        """Return the paths of which the file asks whether they exist: it does without them, unless it then stops."""
+        stops = [
+            node.test
+            for node in self.nodes
+            if isinstance(node, ast.Assert)
+            or (isinstance(node, ast.If) and any(isinstance(line, ast.Raise) for line in node.body))
+        ]
+        stopping = {id(inner) for test in stops for inner in ast.walk(test)}
+        asked: list[ast.expr] = []
+        for node in self.nodes:
+            if not isinstance(node, ast.Call) or id(node) in stopping:
+                continue
+            name = get_function_name(node)
+            if name in {"exists", "isfile"} and len(node.args) == 1:
+                asked += node.args
+            elif name in {"exists", "is_file"} and isinstance(node.func, ast.Attribute) and not node.args:
+                asked.append(node.func.value)
+        return {self.finder.find_source(Path(text)) for node in asked if (text := self.evaluate_text(node))}
+
+    def find_missing_includes(self, tested: set[Path]) -> dict[str, ast.expr]:
+        """Return the paths of launch files in a known package that do not exist, and that are not ``tested``."""
         absent: dict[Path, tuple[Path, ast.expr]] = {}
         joined: set[int] = set()
         for node in self.nodes:
@@ -271,7 +294,7 @@ class PythonLaunchReader:
         return {
             str(path): node
             for path, (package, node) in absent.items()
-            if not may_be_built(path, package, LAUNCH_SUFFIXES)
+            if path not in tested and not may_be_built(path, package, LAUNCH_SUFFIXES)
         }
 
     def locate_paths(self, paths: Mapping[str, ast.expr]) -> tuple[LocatedPath, ...]:

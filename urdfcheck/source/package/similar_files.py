@@ -26,7 +26,7 @@ _MAX_FILES = 20_000
 _SHORTEST_SLIP = 4
 
 # So many missing files of one folder that are in one other folder are those that are meant.
-_MOVED = 3
+MOVED = 3
 
 # The files below some folders, by their names in lower case.
 FilesByName = Mapping[str, list[Path]]
@@ -37,6 +37,8 @@ _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 # The folder of a submodule in .gitmodules, of which so much is read.
 _SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
 _ADDRESS = re.compile(r"(?m)^[ \t]*url[ \t]*=[ \t]*(\S.*?)[ \t\r]*$")
+# The name of one robot of a series: its word and its number, which may end with letters.
+_VARIANT = re.compile(r"([a-z_-]+)(\d+[a-z]{0,2})$")
 # Words of names; those that packages of all robots have.
 _WORD = re.compile(r"[a-z]{3,}")
 _WORDS_OF_MANY = frozenset({
@@ -73,13 +75,13 @@ def find_moved_files(missing: Iterable[Path], index: FilesByName) -> dict[Path, 
     by_folder: dict[Path, dict[Path, dict[Path, Path]]] = {}
     for path in sorted(missing):
         for other in index.get(path.name.lower(), []):
-            if other.name == path.name and other != path:
+            if other.name == path.name and other != path and not is_of_variant(path, other):
                 by_folder.setdefault(path.parent, {}).setdefault(other.parent, {}).setdefault(path, other)
     found: dict[Path, Path] = {}
     for folders in by_folder.values():
         most, *others = sorted(folders.values(), key=len, reverse=True)
         # As many in a second folder leave open which one is meant.
-        if len(most) >= _MOVED and not (others and len(others[0]) == len(most)):
+        if len(most) >= MOVED and not (others and len(others[0]) == len(most)):
             found |= most
     return found
 
@@ -231,6 +233,13 @@ def find_similar_name(name: str, others: Iterable[str]) -> str | None:
     """
     alike = [other for other in others if other != name and _have_same_words(Path(name).stem, Path(other).stem)]
     return max(sorted(alike), key=lambda other: difflib.SequenceMatcher(None, name, other).ratio(), default=None)
+
+
+def is_of_variant(path: Path, other: Path) -> bool:
+    """Whether two paths part at folders of two robots of one series: `ur5e` and `ur10`."""
+    parts = next(((a, b) for a, b in zip(path.parts, other.parts, strict=False) if a != b), ("", ""))
+    one, two = (_VARIANT.match(part.lower()) for part in parts)
+    return one is not None and two is not None and one[1] == two[1] and one[2] != two[2]
 
 
 def _have_same_words(first: str, second: str) -> bool:

@@ -22,6 +22,8 @@ _MOST_SHOWN = 60
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # ``<your-package>`` in a value, for the reader to replace; and the rest of its line.
 _PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)+)>([^\n<]*)")
+# A start tag that someone made the beginning of a comment.
+_HALF_COMMENTED = re.compile(r"""<!--([A-Za-z_][\w:.-]*)(?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*\s*>""")
 # An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 
@@ -274,7 +276,7 @@ def _find_second_root(text: str, name: str) -> tuple[int, int] | None:
     return starts[1].span() if len(starts) > 1 else None
 
 
-def _describe_unclosed(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
+def _describe_unclosed(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
     """Return what is not closed: the file ends in the middle of it."""
     cdata = text.rfind("<![CDATA[", 0, at)
     if cdata >= 0 and "]]>" not in text[cdata:]:  # expat names its end
@@ -287,6 +289,13 @@ def _describe_unclosed(text: str, at: int, _: list[tuple[str, int]]) -> XmlMista
     )
     for begin, what, end in kinds:
         if text.startswith(begin, at):
+            half = _HALF_COMMENTED.match(text, at) if what == "comment" else None
+            if half is not None and re.search(rf"</{re.escape(half[1])}\s*>", text[half.end() :]):
+                tag = _shorten(half[1])
+                message = f"only the start tag of <{tag}> was made a comment, which has no end; </{tag}> follows"
+                other = f"write `-->` behind `</{tag}>`" if opened else "delete the file"
+                repair = f"write `<{tag}` in place of `<!--{tag}`, or {other}"
+                return XmlMistake(message, *half.span(), repair=repair)
             message = f"the {what} that begins here has no end: no `{end}` follows"
             return XmlMistake(
                 message, at, at + len(begin), repair=f"write `{end}` where it ends; the file may have been cut off"
