@@ -872,6 +872,18 @@ def test_a_package_inside_another_is_not_built(tmp_path: Path) -> None:
     assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == [["rviz"]]
 
 
+def test_a_package_inside_one_beside_it_is_not_built_either(tmp_path: Path) -> None:
+    launch = '<launch><include file="$(find inner)/launch/a.launch"/><include file="$(find rviz)/a.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    write(tmp_path / "q", {"package.xml": manifest(name="q")})
+    write(
+        tmp_path / "q" / "inner",
+        {"package.xml": manifest(name="inner"), "launch/a.launch": "<launch/>", "r.urdf": URDF},
+    )
+    write(tmp_path, {".git/HEAD": ""})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == [["rviz"]]
+
+
 @pytest.mark.parametrize(("name", "place"), [("gazebo_plugins", "launch/a.launch"), ("p", "test/a.launch")])
 def test_an_unknown_package_of_tests_or_of_a_released_package_is_a_note(tmp_path: Path, name: str, place: str) -> None:
     launch = '<launch><include file="$(find arm5)/a.launch"/></launch>'

@@ -105,7 +105,7 @@ def _build_finding(
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
         manifest="package.xml"
-        if source.package and dependent == source.package.name
+        if dependent is None or (source.package and dependent == source.package.name)
         else f"package.xml of {dependent}",
         repair=repair,
         remedy=f"--package {shlex.quote(package)}=FOLDER" if package and kind == "expansion" else "",

@@ -6,7 +6,7 @@ import os
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice
+from itertools import islice, takewhile
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
@@ -26,6 +26,7 @@ from urdfcheck.source.package.references import (
 )
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
+from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.source.ros.dependencies import collect_dependencies
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
@@ -123,9 +124,10 @@ def _is_inside_another(folder: Path | None, package: Package) -> bool:
     """
     if folder is None or package.finder is None:
         return False
-    top = package.finder.find_repository()
-    around = (outer for outer in package.finder.list_parent_folders() if outer in folder.parents and outer != top)
-    return any((outer / "package.xml").is_file() for outer in around)
+    top, shared = package.finder.find_repository(), list_shared_folders()
+    around = takewhile(lambda outer: outer != top and not is_shared_by_all(outer, shared), folder.absolute().parents)
+    manifests = (outer / "package.xml" for outer in around)
+    return any(package.finder.can_open(manifest) and manifest.is_file() for manifest in manifests)
 
 
 def _select_missing(

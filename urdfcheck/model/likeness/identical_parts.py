@@ -49,6 +49,8 @@ class PartCopy:
     linear: Array
     """(3, 3), orthogonal; improper where a negative scale mirrors the part."""
     shift: Array
+    rounding: tuple[float, float, float]
+    """Half a unit of the last typed digits: of the mass (kg), the COM (m) and the tensor (kg m², Frobenius norm)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -127,6 +129,8 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
             continue
         members = _GroupComparison(model, group, threshold)
         majority = members.find_majority()
+        if 2 * len(majority) <= len(group):
+            continue
         odd = [i for i in range(len(group)) if i not in majority]
         # Two copies may agree with a third and not with each other: by the symmetry of a part, which is only found nearly.
         odd = [i for i in odd if not any(members.do_agree(i, k) for k in majority)]
@@ -277,17 +281,23 @@ class _GroupComparison:
 
 def _make_part_copy(model: Model, link: Link) -> tuple[PartCopy, tuple[object, ...], tuple[Array, ...]] | None:
     """Make a link a copy of what it draws; return also what that is, and how its shapes lie relative to the first one (4, 4)."""
-    numbers = read_declared_inertial(link)
+    inertial, numbers = link.inertial, read_declared_inertial(link)
     shapes = next((s for s in (_drop_dummy_shapes(link.visuals), _drop_dummy_shapes(link.collisions)) if s), ())
     known = [(_identify_shape(model, shape), shape) for shape in shapes]
-    if numbers is None or not known or any(content is None for content, _ in known):
+    if inertial is None or numbers is None or not known or any(content is None for content, _ in known):
         return None
     placed = [_compute_placement(shape) for _, shape in known]
     placements = [matrix for matrix in placed if matrix is not None]
     if len(placements) != len(placed):
         return None
     reference = placements[0]
-    copy = PartCopy(link=link, numbers=numbers, linear=reference[:3, :3], shift=reference[:3, 3])
+    copy = PartCopy(
+        link=link,
+        numbers=numbers,
+        linear=reference[:3, :3],
+        shift=reference[:3, 3],
+        rounding=_compute_inertial_rounding(inertial),
+    )
     return (
         copy,
         tuple(content for content, _ in known),
@@ -367,8 +377,7 @@ def _rotate_to_axes_of(declared: DeclaredInertial, expected: DeclaredInertial) -
 def _measure_beyond_rounding(copy: PartCopy, other: PartCopy, expected: DeclaredInertial) -> InertialDeviation:
     """Measure how far a copy is from what another expects; zero where rounding one to the digits of the other explains it."""
     deviation = measure_deviation(copy.numbers, expected)
-    halves = [_compute_inertial_rounding(c.link.inertial) for c in (copy, other) if c.link.inertial is not None]
-    mass, place, spread = (max(half[i] for half in halves) for i in range(3))
+    mass, place, spread = map(max, copy.rounding, other.rounding)
     return InertialDeviation(
         mass=0.0 if abs(copy.numbers.mass - expected.mass) <= mass else deviation.mass,
         com_offset=0.0 if np.linalg.norm(copy.numbers.com - expected.com) <= place else deviation.com_offset,
@@ -377,7 +386,7 @@ def _measure_beyond_rounding(copy: PartCopy, other: PartCopy, expected: Declared
 
 
 def _compute_inertial_rounding(inertial: Inertial) -> tuple[float, float, float]:
-    """Compute half a unit of the last typed digits: of the mass (kg), the COM (m) and the tensor (kg m², Frobenius norm)."""
+    """Compute half a unit of the last typed digits, see `PartCopy`."""
     mass, xyz = inertial.mass_attribute, inertial.origin.get_attribute("xyz")
     place = [_compute_number_rounding(word) for word in (xyz.value.split() if xyz is not None else ())]
     element = inertial.tensor_element

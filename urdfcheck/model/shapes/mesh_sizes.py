@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 # The units of CAD systems, in metres.
-UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}
+_UNITS = {"millimetres": 0.001, "inches": 0.0254, "centimetres": 0.01}
 # The defaults of MSH008's options, whose page says what they are from: m, 1, m.
 DEFAULT_LIMITS = {"largest": 5.0, "ratio": 10.0, "smallest": 0.001}
 # A declared unit this close to the metre is the metre.
@@ -54,7 +54,7 @@ class SizeLimits:
 
     def list_plausible_units(self, size: float) -> dict[str, float]:
         """Return the units that give a part of this many file units a plausible size."""
-        return {name: unit for name, unit in UNITS.items() if self.is_plausible(size * unit)}
+        return {name: unit for name, unit in _UNITS.items() if self.is_plausible(size * unit)}
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

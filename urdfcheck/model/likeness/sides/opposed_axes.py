@@ -133,10 +133,10 @@ def _is_gripper(*joints: Joint) -> bool:
 
 def _find_turning_apart(model: Model) -> Iterator[OpposedAxes]:
     """Yield two fingers of a gripper that swing to the same side."""
-    hinges = [joint for joint in model.joints if joint.type == "revolute" and joint.name in model.axes]
-    fingers = [joint for joint in hinges if _is_gripper(joint)]
-    for one, other in combinations(fingers, 2):
-        if not _are_only_two(model, one, other) or is_alike(model, one.child, other.child) is False:
+    for one, other in _iter_finger_pairs(model):
+        if any(joint.type != "revolute" or joint.name not in model.axes for joint in (one, other)):
+            continue
+        if is_alike(model, one.child, other.child) is False:
             continue
         ways, apart = _compute_ways(model, one, other), _compute_way_between(model, one, other)
         if ways is None or apart is None:
@@ -150,18 +150,17 @@ def _find_turning_apart(model: Model) -> Iterator[OpposedAxes]:
             yield _order(one, other, "together")
 
 
-def _are_only_two(model: Model, one: Joint, other: Joint) -> bool:
-    """Whether two hinges are the only ones on their link, or each is the only one on the part of such a finger: the tips."""
-    hinges = [
-        [joint for joint in model.tree.child_joints[place.parent] if joint.type in TURNING] for place in (one, other)
-    ]
-    if one.parent == other.parent:
-        return len(hinges[0]) == 2
-    before = [model.tree.parent_joint.get(joint.parent) for joint in (one, other)]
-    if before[0] is None or before[1] is None or not all(len(joints) == 1 for joints in hinges):
-        return False
-    are_fingers = all(joint.type in TURNING and _is_gripper(joint) for joint in before if joint is not None)
-    return are_fingers and _are_only_two(model, before[0], before[1])
+def _iter_finger_pairs(model: Model) -> Iterator[tuple[Joint, Joint]]:
+    """Yield two fingers that are the only hinges on their link, and the only hinges on two such fingers: the tips."""
+    hinges = {
+        link: [joint for joint in joints if joint.type in TURNING] for link, joints in model.tree.child_joints.items()
+    }
+    for on_one_link in hinges.values():
+        pair = on_one_link
+        while len(pair) == 2 and _is_gripper(*pair):
+            yield pair[0], pair[1]
+            behind = [hinges[joint.child] for joint in pair]
+            pair = [joints[0] for joints in behind if len(joints) == 1]
 
 
 def _compute_swing(model: Model, joint: Joint, way: Array) -> Array:
