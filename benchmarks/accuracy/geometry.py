@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import tempfile
 from pathlib import Path
 
@@ -38,7 +39,8 @@ def drawn(part: Part) -> dict[float, VisualGeometry]:
         urdf.write_text(f'<robot name="part">{links}</robot>', encoding="utf-8")
         source = load_source(urdf, {}, PackageFinder(urdf, {}, []))
         assert source.root is not None
-        model = Model(source=source, robot=source.root)
+        # Every size counts as the part's own: MSH008 would keep the other rules from measuring the last two.
+        model = Model(source=source, robot=source.root, mesh_limits={"largest": math.inf, "smallest": 0.0})
         found = {s: measure_link_geometry(model, model.link_by_name[f"x{s}"]) for s in SCALES}
     shown = {s: g for s, g in found.items() if g is not None and g.closed}
     if len(shown) < len(SCALES):

@@ -209,7 +209,7 @@ def test_legs_that_are_arranged_otherwise_are_fine(tmp_path: Path, changed: dict
     assert "odd" not in {f.message_id for f in find(tmp_path, make_quadruped(**changed), "SYM004")}
 
 
-@pytest.mark.parametrize(("axis", "count"), [("1 0 0", 1), ("0 0 1", 1), ("0 -1 0", 0)])
+@pytest.mark.parametrize(("axis", "count"), [("1 0 0", 1), ("0 0 1", 1), ("-1 5.55e-17 0", 1), ("0 -1 0", 0)])
 def test_of_two_legs_an_axis_along_another_coordinate_is_found(tmp_path: Path, axis: str, count: int) -> None:
     found = [
         f for f in find(tmp_path, make_quadruped(("FL", "FR"), FR_hip_axis=axis), "SYM004") if f.message_id == "axis"
@@ -552,3 +552,29 @@ def test_a_finger_from_another_macro_or_on_another_kind_of_link_is_another_finge
     text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="palm"/>{macros}{calls}</robot>'
     found = check_text(tmp_path, text, "r.urdf.xacro").findings
     assert [f.message_id for f in found if f.code == "SYM004"] == ["odd"] * count
+
+
+@pytest.mark.parametrize(("wheels", "count"), [(True, 1), (False, 0)])
+def test_a_steering_axis_along_another_coordinate_shows_where_three_other_pairs_agree(
+    tmp_path: Path, wheels: bool, count: int
+) -> None:
+    parts = ['<link name="base"/>']
+    for number, (side, (front, left)) in enumerate(SIDES.items()):
+        axis = "1 0 0" if number == 0 else "0 0 1"
+        parts.append(f'<link name="{side}_holder">{BOX.format(z=0)}</link>')
+        parts.append(
+            joint(
+                f"{side}_steering",
+                "base",
+                f"{side}_holder",
+                kind="continuous",
+                xyz=f"{0.3 * front} {0.2 * left} 0",
+                axis=axis,
+            )
+        )
+        if wheels:
+            parts.append(f'<link name="{side}_wheel">{BOX.format(z=0)}</link>')
+            drive = {"kind": "continuous", "xyz": "0 0 -0.1", "axis": "0 1 0"}
+            parts.append(joint(f"{side}_drive", f"{side}_holder", f"{side}_wheel", **drive))
+    found = find(tmp_path, f'<robot name="r">{"".join(parts)}</robot>', "SYM004")
+    assert [f.message_id for f in found if "steering" in f.message] == ["lone"] * count

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 VOTES = 2
 # Angles that 1.57 for π/2 leaves add up to 0.2°; beyond 10° the joint is arranged otherwise.
 STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
+# What exporters leave of a zero in an axis.
+_NOISE = 1e-9
 # A tilt that the next joints take back is reported from here on.
 _SLIGHT_TILT = math.radians(1)
 # A joint is out of place beyond a careful hand measurement, and arranged otherwise beyond this share of the sides' distance.
@@ -381,7 +383,7 @@ def _is_renamed(pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:
     if joints[0].type == "continuous" or not _is_axis_aligned(pair.linear):
         return False
     one, other = (np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in joints)
-    single = all(int(np.count_nonzero(axis)) == 1 for axis in (one, other))
+    single = all(int(np.count_nonzero(np.abs(axis) > _NOISE)) == 1 for axis in (one, other))
     return single and int(np.abs(pair.linear @ one).argmax()) != int(np.abs(other).argmax())
 
 

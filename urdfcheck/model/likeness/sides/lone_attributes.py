@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 # So many other pairs agree (chosen).
-_WITNESSES = 4
+_WITNESSES = 3
 # Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
 _SAME = {"axis": 2e-3, "xyz": 1e-3, "rpy": 2e-3}
 # A smaller angle (rad) is one between two exports; a multiple of the step, to within this, is an arrangement. All
