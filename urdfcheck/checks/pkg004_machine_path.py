@@ -80,13 +80,14 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     portable = [_build_portable_path(use, source) for use in place.uses]
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
     message = _choose_message(first)
+    is_lost = message == "nowhere" or (message == "installed" and not first.resource.exists)
     return rule.finding(
         message,
         at=place.location,
         severity=Severity.WARNING if message == "installed" else None,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_propose_edits(place, portable) if message != "installed" else [],
-        consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if message == "nowhere" else None,
+        consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if is_lost else None,
         file=first.resource.text,
         files=files,
         listed=join_names(files, 2),

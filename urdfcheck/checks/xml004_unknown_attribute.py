@@ -10,7 +10,7 @@ from urdfcheck.core import Edit, Finding, Location, Rule, Severity, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_loss
+from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_gap_in_yourdfpy, describe_loss
 from urdfcheck.source.text.grammar import (
     NUMERIC_ATTRIBUTES,
     REQUIRED_ATTRIBUTES,
@@ -105,7 +105,11 @@ def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttrib
     if tag == "robot" and near == "name":
         return None  # a robot without a name: XML002
     if near is not None and near in REQUIRED_ATTRIBUTES.get(tag, ()):
-        consequences = {"urdfdom": describe_loss(element), **describe_engine_reactions(element, [near])}
+        consequences = {
+            "urdfdom": describe_loss(element),
+            **describe_engine_reactions(element, [near]),
+            **describe_gap_in_yourdfpy(element, [near]),
+        }
         return _UnreadAttribute(attribute, "required", {"near": near}, consequences=consequences)
     if near is not None:
         return _UnreadAttribute(attribute, "misspelt", {"near": near})
