@@ -414,7 +414,7 @@ def test_what_is_drawn_is_turned_where_the_rest_agrees_with_the_joint(tmp_path: 
 
 
 def test_the_axis_alone_is_no_repair_where_something_is_round_about_it(tmp_path: Path) -> None:
-    """The visual stands upright; what agrees with the plumb joint must be turned with it, so no edit is offered."""
+    """The visual stands upright; what agrees with the vertical joint axis must be turned with it, so no edit is offered."""
     text = changed(FOUR, 0, axis=(0, 0, 1), spin=2).text()
     (finding,) = find_in_car(tmp_path, "JNT015", text)
     assert finding.message_id == "upright"

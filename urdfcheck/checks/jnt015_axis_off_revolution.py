@@ -152,13 +152,13 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
 
 
 def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -> bool:
-    """Whether a wheel is drawn upright, but its joint turns it about a plumb line.
+    """Whether a wheel is drawn upright, but its joint turns it about a vertical axis.
 
     A collision shape that agrees with such a joint shows nothing: a cylinder that is not rotated is round about z.
     """
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
-    is_plumb = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
-    return witness.kind == "visual" and witness.is_wheel and is_plumb and abs(float(own[2])) < _SQUARE
+    is_vertical = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
+    return witness.kind == "visual" and witness.is_wheel and is_vertical and abs(float(own[2])) < _SQUARE
 
 
 def _measure_offset(witness: _AxisEvidence, axis: Array) -> float:
@@ -296,7 +296,7 @@ def _build_axis_finding(
 def _build_upright_finding(
     model: Model, rule: Rule, wheel: _SuspectWheel, *, drawn: _AxisEvidence, others: Sequence[str]
 ) -> Finding:
-    """Report a wheel that is drawn upright on a joint about a plumb line, about which the ``others`` are round."""
+    """Report a wheel that is drawn upright on a joint about a vertical axis, about which the ``others`` are round."""
     return rule.finding(
         "upright",
         at=wheel.joint.axis_location,

@@ -377,7 +377,7 @@ class Joint:
 
     @property
     def is_held(self) -> bool:
-        """Whether a range leaves about no room: the joint is locked on purpose where it stands."""
+        """Whether a range leaves about no room, as that of a joint that is locked where it stands."""
         span = self.position_range
         return span is not None and span[1] - span[0] < _HELD_RANGE[self.position_unit]
 

@@ -93,8 +93,7 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
     """Compare the inertials of a named pair whose drawings are not related; None where they agree or may differ.
 
     Frames that are not mirror images may belong to parts that are not: there, only one mistake that explains all counts, and the
-    numbers of a third link. Sides
-    that carry other joints, such as a finger with a suction pad, are other parts.
+    numbers of a third link. Sides that carry other joints, such as a finger with a suction pad, are other parts.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """

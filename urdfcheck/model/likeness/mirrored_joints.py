@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 VOTES = 2
 # Angles that 1.57 for π/2 leaves add up to 0.2°; beyond 10° the joint is arranged otherwise.
 STRAIGHT, ARRANGED = math.radians(0.25), math.radians(10)
-# What exporters leave of a zero in an axis.
+# What exporters leave of a zero in an axis is less (chosen): rounding noise of 1e-16 is usual.
 _NOISE = 1e-9
 # A tilt that the next joints take back is reported from here on.
 _SLIGHT_TILT = math.radians(1)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 # The mass of a body of revolution lies about its axis to within this share of its second moments.
 _ROUND = 1e-3
-# Two COMs are in one place within this share of their distance from the joint's axis: 0.6°.
+# Two COMs are in one place within this share of their distance from the joint's axis: 0.6° (chosen).
 _SAME_COM = 0.01
 # Axes have the same numbers to within those of three digits.
 _SAME_AXIS = 2e-3

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 # A mistake of the tensor leaves less than this share of the difference from the drawn part's.
 _LEFT = 0.5
 # A turn of one link, one of many turns, leaves less than this share of the distance from where the COM is drawn, where this is
-# more than some radii of gyration.
+# more than some radii of gyration (both chosen).
 _LEFT_BY_TURN, _AWAY = 0.25, 0.1
 # Causes that take what is drawn apart: collision shapes are not the pieces that a CAD program added.
 _OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})

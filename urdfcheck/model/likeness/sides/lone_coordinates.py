@@ -22,7 +22,7 @@ _LEAST, _LEAST_OFF = 2e-3, 5e-3
 # So many other pairs are mirror images. One is enough where the decimal point slipped: to this share, three typed digits.
 _WITNESSES, _ROUNDED = 2, 0.005
 _POWERS = (10.0, 100.0, 1000.0)
-# So few digits two numbers share by chance.
+# So few digits two numbers share by chance (chosen).
 _ROUND_DIGITS = 2
 # So many joints of one kind hang on one link; more are an array.
 _FEWEST, _MOST = 4, 16
