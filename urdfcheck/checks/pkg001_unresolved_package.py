@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
@@ -92,16 +93,12 @@ def _build_finding(
         repair += "add a package.xml with this name"
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
-    return rule.finding(
+    finding = rule.finding(
         message,
         at=at,
         related=[*related, *places],
         edits=_propose_edits(uses, package, near),
-        severity=Severity.INFO
-        if (declared and uses) or message == "rosbuild"
-        else Severity.WARNING
-        if is_outside
-        else None,
+        severity=_grade(message, is_outside=bool(is_outside)),
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
         manifest="package.xml"
@@ -126,6 +123,15 @@ def _build_finding(
         )
         + named_by,
     )
+    # The file is right, and the model is unknown all the same: the run says that it was not checked.
+    return replace(finding, blocks_check=True) if message == "expansion-declared" else finding
+
+
+def _grade(message: str, *, is_outside: bool) -> Severity | None:
+    """Return the severity of a message; None for that of the rule."""
+    if message in {"files-declared", "rosbuild"}:
+        return Severity.INFO
+    return Severity.WARNING if is_outside or message == "expansion-declared" else None
 
 
 def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:

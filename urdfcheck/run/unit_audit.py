@@ -224,10 +224,10 @@ class _UnitAudit:
                 self.run_guarded(rule.code, partial(self.collect_causes, rule, source))
 
     def collect_causes(self, rule: Rule, source: Source) -> None:
-        """Run one check of a file that gives no model: its errors are the causes."""
+        """Run one check of a file that gives no model: its errors are the causes, and what it says blocks the check."""
         for finding in load_check(rule)(source, rule, **self.get_options(rule)):
             located = replace(finding, model=self.unit.id)
-            if finding.severity == Severity.ERROR:
+            if finding.severity == Severity.ERROR or finding.blocks_check:
                 self.findings.append(truncate_texts(mark_cause(located, self.policy)))
             elif rule.code in self.rules:
                 self.findings.append(admit_finding(located, rule, self.policy))
@@ -480,7 +480,7 @@ class _UnitAudit:
         )
         info = self.info
         if self.unread_status:
-            cause = explain_unchecked(settled.findings, self.options.reading)
+            cause = explain_unchecked(settled.findings, self.policy, self.options.reading)
             info = self.unit.describe_unread(cause, self.unread_status)
             if info is not None and self.source is not None:
                 found = _locate_found_arguments(self.source)

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.core import Finding, Location, NotChecked, Severity, Span
+from urdfcheck.core import Finding, Location, NotChecked, Span
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import AuditSettings, Unit, UnitReport
@@ -15,11 +15,16 @@ from urdfcheck.source.text.problems import Problem
 
 
 def mark_cause(finding: Finding, policy: Policy) -> Finding:
-    """Return a finding as the reason why its model cannot be checked."""
-    return replace(finding, severity=policy.unchecked, blocks_check=True)
+    """Return a finding as the reason why its model cannot be checked.
+
+    A check that says itself that it blocks the model says how bad that is too: the model may be right, and only this machine
+    lacks a package.
+    """
+    severity = min(finding.severity, policy.unchecked) if finding.blocks_check else policy.unchecked
+    return replace(finding, severity=severity, blocks_check=True)
 
 
-def explain_unchecked(findings: Iterable[Finding], reading: Iterable[str] = ()) -> NotChecked:
+def explain_unchecked(findings: Iterable[Finding], policy: Policy, reading: Iterable[str] = ()) -> NotChecked:
     """Return why a model could not be checked, by the worst of these findings that is a cause.
 
     :param reading: the options that the run was given for what it reads, without which the remedy leads to another cause.
@@ -28,7 +33,7 @@ def explain_unchecked(findings: Iterable[Finding], reading: Iterable[str] = ()) 
     if cause is None:
         return NotChecked("the model could not be read, for no known reason")
     remedy = str(cause.data.get("remedy", ""))
-    return NotChecked(cause.message, " ".join((*reading, remedy)) if remedy else "", cause.severity < Severity.ERROR)
+    return NotChecked(cause.message, " ".join((*reading, remedy)) if remedy else "", policy.accepts_unchecked)
 
 
 def report_stopped_unit(
@@ -56,9 +61,8 @@ def report_stopped_unit(
 def build_stopped_report(unit: Unit, settings: AuditSettings, message: str) -> UnitReport:
     """Return the report on a unit of which nothing is known, because its check was stopped."""
     finding = report_stopped_unit(unit, settings, message)
-    return UnitReport(
-        info=unit.describe_unread(explain_unchecked([finding], settings.options.reading)), findings=(finding,)
-    )
+    cause = explain_unchecked([finding], unit.policy or settings.policy, settings.options.reading)
+    return UnitReport(info=unit.describe_unread(cause), findings=(finding,))
 
 
 def locate_unit(unit: Unit) -> Location:
