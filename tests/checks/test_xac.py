@@ -1311,7 +1311,7 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
         xacro=True,
     )
     (tmp_path / "robot.urdf.xacro").write_text(text, encoding="utf-8")
-    finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC010"}))
+    finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC001"}))
     assert finding.fix is not None
     assert "--arg model:=long" in finding.fix.title
     assert finding.message.endswith("known values: long, short")
