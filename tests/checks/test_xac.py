@@ -72,16 +72,23 @@ INSERTED = '<xacro:insert_block name="origin"/>'
 @pytest.mark.parametrize(
     ("text", "repair"),
     [
-        (f"<joint>{INSERTED}</joint>", "define it before this line"),
+        (f"<joint>{INSERTED}</joint>", "delete the line if it is left over; else define the block before it"),
         (f"<joint><origin/>{INSERTED}</joint>", "delete the line: the <joint> has its own <origin>"),
         (
             f'<!-- <xacro:macro name="m" params="a *origin"> --><joint>{INSERTED}</joint>',
             "delete the line; or take the <xacro:macro> of line 3",
         ),
-        (f'<!-- <xacro:macro name="m" params="*other"> --><joint>{INSERTED}</joint>', "define it before this line"),
+        (
+            f'<!-- <xacro:macro name="m" params="*other"> --><joint>{INSERTED}</joint>',
+            "delete the line if it is left over; else define the block before it",
+        ),
         (
             f'<xacro:macro name="m" params=""><joint><origin/>{INSERTED}</joint></xacro:macro><xacro:m/>',
-            "define it before this line",
+            "delete the line: the <joint> has its own <origin>",
+        ),
+        (
+            f'<xacro:macro name="m" params=""><joint>{INSERTED}</joint></xacro:macro><xacro:m/>',
+            "delete the line if it is left over; else add `*origin` to the params of macro m",
         ),
     ],
 )
