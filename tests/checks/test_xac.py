@@ -1093,10 +1093,21 @@ def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("include parts.xacro, which defines the macro,")
 
 
-def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
-    text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
+@pytest.mark.parametrize(
+    ("tags", "message", "severity"),
+    [
+        ('<property name="b" value="1"/>', "left", Severity.INFO),
+        ('<macro name="b" params=""/>', "left", Severity.INFO),
+        ('<macro name="b" params=""/><b/>', "plain", Severity.WARNING),
+        ('<include filename="b.xacro"/>', "plain", Severity.WARNING),
+    ],
+)
+def test_xacro_tags_in_a_plain_urdf_are_a_warning_where_they_should_make_something(
+    tmp_path: Path, tags: str, message: str, severity: Severity
+) -> None:
+    text = f'<robot name="r"><link name="a"/>{tags}</robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))
-    assert (finding.code, finding.message_id, finding.severity) == ("XAC007", "plain", Severity.WARNING)
+    assert (finding.code, finding.message_id, finding.severity) == ("XAC007", message, severity)
 
 
 @pytest.mark.parametrize(
