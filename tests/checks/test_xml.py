@@ -347,7 +347,10 @@ class TestXML003:
         text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="1"/>{inertial}</link></robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
-        assert joint.fix.title == "move it into <joint>; elsewhere delete it: <inertial> beside it has its own"
+        assert (
+            joint.fix.title
+            == "move it into <joint>, or delete it if the robot is right without it; elsewhere delete it: <inertial> beside it has its own"
+        )
 
     @pytest.mark.parametrize(
         ("mass", "end"),
@@ -412,7 +415,10 @@ class TestXML003:
         text = f'<robot name="r">{links}{joints}</robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
-        assert joint.fix.title == "move it into <joint>; b: delete it: <inertial> beside it has its own"
+        assert (
+            joint.fix.title
+            == "move it into <joint>, or delete it if the robot is right without it; b: delete it: <inertial> beside it has its own"
+        )
 
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
@@ -1044,7 +1050,10 @@ class TestXML006:
 
     @pytest.mark.parametrize(
         ("second", "repair"),
-        [('friction="1"', "merge them: each has what the others lack"), ('damping="2"', "delete the wrong <dynamics>")],
+        [
+            ('friction="1"', "merge them, for each has what the others lack, or delete what is left over"),
+            ('damping="2"', "delete the wrong <dynamics>"),
+        ],
     )
     def test_two_that_complete_each_other_are_merged(self, tmp_path: Path, second: str, repair: str) -> None:
         more = f'<dynamics damping="1"/><dynamics {second}/>'
@@ -1286,7 +1295,11 @@ def test_xacro_would_stop_at_a_name_that_the_file_does_not_define(
     ("typed", "severity", "repair"),
     [
         ("<origin/>", Severity.INFO, "delete it: it is empty"),
-        ('<origin xyz="0 0 1"/>', Severity.WARNING, "move it into <inertial> or <visual> or <collision> or <joint>"),
+        (
+            '<origin xyz="0 0 1"/>',
+            Severity.WARNING,
+            "move it into <inertial> or <visual> or <collision>, or delete it if the robot is right without it",
+        ),
     ],
 )
 def test_an_empty_element_in_the_wrong_place_is_deleted(
@@ -1301,7 +1314,8 @@ def test_an_empty_element_in_the_wrong_place_is_deleted(
 @pytest.mark.parametrize(
     ("geometry", "severity", "urdfdom"),
     [
-        ('<material name="m"/><box size="1 1 1"/>', "warning", "drops the shape"),
+        ('<material name="m"/><box size="1 1 1"/>', "error", "drops the shape"),
+        ('<origin/><box size="1 1 1"/>', "error", "drops the shape"),
         ('<box size="1 1 1"/><material name="m"/>', "warning", "ignores it"),
         ('<bx size="1 1 1"/>', "error", "drops the shape"),
         ('<box size="1 1 1"/><surface><mu>1</mu></surface>', "warning", "ignores it"),
