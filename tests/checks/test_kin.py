@@ -412,6 +412,8 @@ def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text:
             "<launch>gazebo_ros other.urdf <param name='robot_description' textfile='r.urdf'/></launch>",
             Severity.WARNING,
         ),
+        ("<launch>gazebo_ros r.urdf robot_description -entity r -file model.sdf</launch>", Severity.INFO),
+        ("<launch>gazebo_ros r.urdf -file box.sdf; -topic robot_description</launch>", Severity.WARNING),
         ("<launch>gazebo_ros</launch>", Severity.WARNING),
         ("<launch>rviz other.urdf</launch>", Severity.WARNING),
     ],
