@@ -65,7 +65,9 @@ def _describe_repair(source: Source, at: Location, name: str, options: str, *, i
         return f"give a value: `{options}`; or write a fixed text here, because no default can precede it"
     if is_declared:
         return f"{give} it before it is read: move its `<xacro:arg>` up"
-    slip = find_only_near_name(name, {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}, SLIP_LIKENESS)
+    slip = find_only_near_name(
+        name, {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}, SLIP_LIKENESS
+    )
     if slip is not None:
         return f"write `$(arg {slip})` if that is meant; else give a value: `{options}`"
     return f'{give} a default before the first use: `<xacro:arg name="{name}" default="…"/>`'

@@ -88,7 +88,7 @@ MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
 _CALL = "; if it calls a macro of xacro, define the macro and write `xacro:` before the name"
 DELETION = "delete it: <{parent}> already has a <{near}>"
 # No program has read the element: where it is read, the robot is another one.
-_UNLESS_RIGHT = ", or delete it if the robot is right without it"
+_UNLESS_RIGHT = ", or delete it"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
