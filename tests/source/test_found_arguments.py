@@ -148,7 +148,7 @@ def generate_launch_description():
     )
     def test_a_path_of_which_an_argument_is_a_part(self, path: str, is_meant: bool, tmp_path: Path) -> None:
         declared = "".join(f'<arg name="{name}" default="none"/>' for name in ("robot", "folder"))
-        param = f"<param name=\"robot_description\" command=\"xacro '{path}' debug:=false\"/>"
+        param = f'<param name="robot_description" command="xacro \'{path}\' debug:=false"/>'
         model = make_package(tmp_path, {"a.launch": f"<launch>{declared}{param}</launch>"})
         assert ("debug" in list_found(model)) == is_meant
 

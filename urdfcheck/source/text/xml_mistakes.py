@@ -73,7 +73,9 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
         if before.endswith("<!--") and opener > before.rfind("-->"):
             line = text.count("\n", 0, opener) + 1
             message = f"a comment begins inside the comment of line {line}"
-            repair = f"delete this `<!--`, and the `-->` that it has of its own; or end the comment of line {line} before it"
+            repair = (
+                f"delete this `<!--`, and the `-->` that it has of its own; or end the comment of line {line} before it"
+            )
             return XmlMistake(message, at - 4, at, repair, forgiven=True)
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
