@@ -415,7 +415,8 @@ def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text:
         ("<launch>gazebo_ros r.urdf robot_description -entity r -file model.sdf</launch>", Severity.INFO),
         ("<launch>gazebo_ros r.urdf -file box.sdf; -topic robot_description</launch>", Severity.WARNING),
         ("<launch>gazebo_ros</launch>", Severity.WARNING),
-        ("<launch>rviz other.urdf</launch>", Severity.WARNING),
+        ("<launch>rviz other.urdf</launch>", Severity.INFO),
+        ("<launch>rviz r.urdf</launch>", Severity.INFO),
     ],
 )
 def test_a_robot_that_nothing_gives_to_gazebo_may_vanish_there(tmp_path: Path, launch: str, severity: Severity) -> None:

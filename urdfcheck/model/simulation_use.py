@@ -95,9 +95,15 @@ def is_left_aside(model: Model) -> bool:
 def is_left_out_of_gazebo(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, give other models to Gazebo, and neither they nor one
     that loads a robot_description names this one, by its name up to the first dot; or they give it an SDF and no
-    robot_description."""
+    robot_description. Or nothing in them and in the robot is for Gazebo."""
     own, texts = _cut_name(model.source.path.name), _list_project_texts(model)
     spawning = [text for text in texts if _GAZEBO.search(text)]
+    blocks = [
+        *model.robot.find_children("gazebo"),
+        *filter(is_simulated_hardware, model.robot.find_children("ros2_control")),
+    ]
+    if model.source.package is not None and not spawning and not blocks:
+        return True
     gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
     if gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning)):
         return True
