@@ -252,7 +252,9 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
     defining = _find_defining_files(failure.source, name)
-    repair = "correct the name, or include the file that defines the macro before this line"
+    repair = "include the file that defines the macro before this line, or delete the call if it is left over"
+    if near:
+        repair = "correct the name, or include the file that defines the macro before this line"
     if defining:
         repair = f"include {' or '.join(defining)}, which defines the macro, before this line, or correct the name"
     return _build_report(
