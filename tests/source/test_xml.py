@@ -273,6 +273,7 @@ def test_nesting_ends_at_a_limit() -> None:
         ('<robot>\n  <a b="é &nbsp;"/></robot>', "`&nbsp;` is an undefined entity", 2, 11),
         ("<robot>\n<!-- é -- é -->\n</robot>", "a comment may not contain `--`", 2, 8),
         ("<robot>\n<!-- é --->\n</robot>", "a comment may not contain `--`", 2, 8),
+        ("<robot>\n<!-- a\n <!-- b --> c --></robot>", "a comment begins inside the comment of line 2", 3, 2),
         ('<robot a="é & b"/>', "`&` must begin the name of an entity", 1, 13),
         ("<robot>é & b</robot>", "`&` must begin the name of an entity", 1, 10),
         ("<robot>é &lt b</robot>", "`&lt` lacks its semicolon", 1, 10),

@@ -74,9 +74,12 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
             line = text.count("\n", 0, opener) + 1
             message = f"a comment begins inside the comment of line {line}"
             repair = (
-                f"delete this `<!--`, and the `-->` that it has of its own; or end the comment of line {line} before it"
+                f"end the comment of line {line} before this `<!--`, or delete this `<!--` and the first `-->` after it"
             )
-            return XmlMistake(message, at - 4, at, repair, forgiven=True)
+            is_after_root = (
+                bool(opened) and f"</{opened[0][0]}" in before[:opener]
+            )  # there, tinyxml2 takes what is left for a root
+            return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root)
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
         return XmlMistake(message, at - 2, at, repair, forgiven=True)
