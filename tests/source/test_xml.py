@@ -325,6 +325,27 @@ def test_broken_text_is_refused_where_it_breaks(text: str, says: str, line: int,
     assert (error.reason, error.span.line, error.span.col) == ("malformed", line, column)
 
 
+@pytest.mark.parametrize(
+    ("text", "repair"),
+    [
+        ("<a><b></c></a>", "write `</b>` in its place, or delete it"),
+        ("<a>\n<b>\n<b>\n</a>", "write `</b>` for the <b> of line 3 if it ends that of line 2; else close it"),
+        ("<a/><a/>", "delete one of the two if it is a copy; else make them one element: a file has one root"),
+        ("<a><!-- b </a>", "write `-->` where it ends; if the rest of the file is missing, restore it"),
+        ('<a b="$(find <pkg>)/c"/>', "write what `<pkg>` stands for"),
+    ],
+)
+def test_a_repair_fits_what_is_wrong(text: str, repair: str) -> None:
+    assert refusal(text).data["repair"] == repair
+
+
+@pytest.mark.parametrize(
+    ("text", "forgiven"), [("<a><!-- <!-- --> --></a>", True), ("<a></a><!-- <!-- --> -->", False)]
+)
+def test_tinyxml2_forgives_a_comment_in_a_comment_before_the_end(text: str, forgiven: bool) -> None:
+    assert refusal(text).data["forgiven"] is forgiven
+
+
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["plain", "BOM"])
 def test_a_byte_that_is_not_of_the_encoding_is_named_and_located(tmp_path: Path, mark: bytes) -> None:
     with pytest.raises(XmlError, match="byte 0xe4 is not valid utf-8") as caught:

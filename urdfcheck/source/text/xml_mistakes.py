@@ -76,9 +76,8 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
             repair = (
                 f"end the comment of line {line} before this `<!--`, or delete this `<!--` and the first `-->` after it"
             )
-            is_after_root = (
-                bool(opened) and f"</{opened[0][0]}" in before[:opener]
-            )  # there, tinyxml2 takes what is left for a root
+            # Behind the root element, tinyxml2 takes what is left of the comment for another one.
+            is_after_root = bool(opened) and f"</{opened[0][0]}" in before[:opener]
             return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root)
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
