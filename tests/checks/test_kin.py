@@ -693,7 +693,9 @@ def test_a_part_without_a_name_that_nothing_includes_is_a_note(tmp_path: Path, n
     assert finding.severity is severity
 
 
-@pytest.mark.parametrize(("started", "severity"), [("r.urdf.xacro", Severity.ERROR), ("car.urdf", Severity.WARNING)])
+@pytest.mark.parametrize(
+    ("started", "severity"), [("r.urdf.xacro", Severity.ERROR), ("car.urdf", Severity.WARNING), ("", Severity.WARNING)]
+)
 def test_a_part_that_its_package_does_not_start_is_a_warning(tmp_path: Path, started: str, severity: Severity) -> None:
     launch = f"<launch>rviz {started}</launch>"
     for name, text in (("package.xml", "<package><name>p</name></package>"), ("view.launch", launch)):

@@ -12,7 +12,7 @@ from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
-from urdfcheck.model.simulation_use import is_left_aside
+from urdfcheck.model.simulation_use import is_named_in_package
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 
@@ -102,8 +102,8 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         data["repair"] = template.format(called=data["called"], file=file, naming=naming)
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
         is_scrap = is_part and "name" not in model.robot.attributes
-        # With one it may be a robot, unless what the package starts are other files.
-        is_unused = is_part and is_left_aside(model)
+        # With one it may be a robot, if anything starts it.
+        is_unused = is_part and not is_named_in_package(model)
         finding = rule.finding(
             "unknown",
             at=attributes[0],

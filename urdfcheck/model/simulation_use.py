@@ -91,6 +91,12 @@ def is_left_aside(model: Model) -> bool:
     return bool(named) and model.source.path.name not in named
 
 
+def is_named_in_package(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, names the model's own file. True without a package."""
+    own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
+    return model.source.package is None or any(map(own.search, _list_project_texts(model)))
+
+
 @fact
 def is_left_out_of_gazebo(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, give other models to Gazebo, and neither they nor one
