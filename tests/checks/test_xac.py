@@ -1431,3 +1431,26 @@ def test_a_file_that_includes_without_the_prefix_may_lack_it_in_more_places(tmp_
     assert finding.fix is not None
     assert ("declare the prefix: `<robot xmlns:xacro=" in finding.fix.title) is not declared
     assert "as may the calls of their macros: <body>" in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("home", "repair"),
+    [("other", "correct the path, or use a release of q that has the file"), ("own", "correct the path")],
+)
+def test_a_file_that_a_package_from_elsewhere_lacks_may_be_in_another_release(
+    tmp_path: Path, home: str, repair: str
+) -> None:
+    text = f'{HEAD}<xacro:include filename="$(find q)/a.xacro"/></robot>'
+    write(
+        tmp_path,
+        {
+            "own/.git/HEAD": "",
+            "own/p/package.xml": "<package><name>p</name></package>",
+            "own/p/r.urdf.xacro": text,
+            f"{home}/q/package.xml": "<package><name>q</name></package>",
+        },
+    )
+    run = check(tmp_path / "own/p/r.urdf.xacro", codes={"XAC001"}, package_paths=[tmp_path / home])
+    (finding,) = (f for f in run.findings if f.code == "XAC001")
+    assert finding.fix is not None
+    assert finding.fix.title == repair

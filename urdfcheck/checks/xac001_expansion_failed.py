@@ -394,9 +394,9 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     elsewhere = find_uninstalled_file(path, package, files)
     read = set(map(os.path.abspath, failure.source.files))
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
-    own = failure.source.finder.find_package_of(failure.source.path.absolute())
     correction = f"{_PATH_REPAIR}; {_RELATIVE_HINT}" if _is_relative(failure) else _PATH_REPAIR
-    if package is not None and own is not None and package.name != own.name:
+    root = failure.source.finder.find_repository()
+    if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
         correction = f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
     if package is not None and elsewhere is None and len(namesakes) == 1:
         place = namesakes[0].relative_to(package.path).as_posix()
