@@ -1454,3 +1454,38 @@ def test_a_file_that_a_package_from_elsewhere_lacks_may_be_in_another_release(
     (finding,) = (f for f in run.findings if f.code == "XAC001")
     assert finding.fix is not None
     assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize(
+    ("head", "text", "repair"),
+    [
+        (
+            'name="r"',
+            '<link name="$(arg a)"/><xacro:arg name="a" default="1"/>',
+            "move its `<xacro:arg>` up, before what reads it",
+        ),
+        (
+            'name="$(arg a)"',
+            '<xacro:arg name="a" default="$(arg b)"/>',
+            "give a value: `--arg a:=… --arg b:=…`; or write a fixed text",
+        ),
+        (
+            'name="r"',
+            '<xacro:arg name="prefix" default="1"/><link name="$(arg prefx)"/>',
+            "write `$(arg prefix)` if that is meant",
+        ),
+        (
+            'name="r"',
+            '<link name="$(arg a)"/>',
+            "give a value: `--arg a:=…`; or declare a default before the first use",
+        ),
+    ],
+    ids=["late", "root", "slip", "missing"],
+)
+def test_the_repair_of_an_argument_fits_the_place_that_reads_it(
+    tmp_path: Path, head: str, text: str, repair: str
+) -> None:
+    robot_ = f'<robot {head} xmlns:xacro="http://www.ros.org/wiki/xacro">{text}</robot>'
+    finding = only(check_text(tmp_path, robot_, "r.urdf.xacro", codes={"XAC010"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)

@@ -64,7 +64,7 @@ def _describe_repair(source: Source, at: Location, name: str, options: str, *, i
     if is_declared and _is_in_root_tag(source, at):
         return f"give a value: `{options}`; or write a fixed text here, because no default can precede it"
     if is_declared:
-        return f"{give} it before it is read: move its `<xacro:arg>` up"
+        return f"move its `<xacro:arg>` up, before what reads it; or give a value: `{options}`"
     slip = find_only_near_name(
         name, {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}, SLIP_LIKENESS
     )
