@@ -16,6 +16,7 @@ Made from the commands by `make reports`; `urdfcheck COMMAND --help` prints the 
 
 A `PATH` is a `.urdf`, `.xacro`, `.launch`, `.launch.xml`, `.launch.py` or `.srdf`, a mesh, a package or any folder.
 In a folder the models are discovered: `build`, `install`, `log`, folders with COLCON_IGNORE and what git ignores are skipped.
+So are templates, in which a generator fills in `{{ name }}` or `$NAME$`: the report lists them.
 A xacro that only defines macros or is included by another is checked through the models that use it; so are a mesh and an SRDF.
 [Exit codes](continuous-integration.md#exit-codes) are the same for all commands that check.
 """

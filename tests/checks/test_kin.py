@@ -205,7 +205,7 @@ def test_a_chain_of_two_thousand_links(tmp_path: Path) -> None:
     [
         ("base arm world", ["base arm"], "from world to base, or delete unused links"),
         ("base_footprint base arm", ["base arm"], "from base_footprint to base, or delete unused links"),
-        ("base arm camera", ["base arm"], "from the first piece to each of the others, or delete unused links"),
+        ("base arm camera", ["base arm"], "add the joints that are missing, often fixed ones, or delete unused links"),
     ],
 )
 def test_a_link_for_the_ground_is_the_parent_of_the_missing_joint(
@@ -412,8 +412,11 @@ def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text:
             "<launch>gazebo_ros other.urdf <param name='robot_description' textfile='r.urdf'/></launch>",
             Severity.WARNING,
         ),
+        ("<launch>gazebo_ros r.urdf robot_description -entity r -file model.sdf</launch>", Severity.INFO),
+        ("<launch>gazebo_ros r.urdf -file box.sdf; -topic robot_description</launch>", Severity.WARNING),
         ("<launch>gazebo_ros</launch>", Severity.WARNING),
-        ("<launch>rviz other.urdf</launch>", Severity.WARNING),
+        ("<launch>rviz other.urdf</launch>", Severity.INFO),
+        ("<launch>rviz r.urdf</launch>", Severity.INFO),
     ],
 )
 def test_a_robot_that_nothing_gives_to_gazebo_may_vanish_there(tmp_path: Path, launch: str, severity: Severity) -> None:
@@ -688,3 +691,42 @@ def test_a_part_without_a_name_that_nothing_includes_is_a_note(tmp_path: Path, n
     text = f'<robot{name} xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="camera"/>{joint_to_base}</robot>'
     (finding,) = find(tmp_path, text, "KIN002", name="camera.xacro")
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(
+    ("started", "severity"), [("r.urdf.xacro", Severity.ERROR), ("car.urdf", Severity.WARNING), ("", Severity.WARNING)]
+)
+def test_a_part_that_its_package_does_not_start_is_a_warning(tmp_path: Path, started: str, severity: Severity) -> None:
+    launch = f"<launch>rviz {started}</launch>"
+    for name, text in (("package.xml", "<package><name>p</name></package>"), ("view.launch", launch)):
+        (tmp_path / name).write_text(text)
+    text = robot(link("laser"), joint("j", "base_link", "laser"))
+    (finding,) = check_text(tmp_path, text, codes={"KIN002"}, name="r.urdf.xacro").findings
+    assert (finding.message_id, finding.severity) == ("unknown", severity)
+
+
+@pytest.mark.parametrize(
+    ("typed", "call", "repair"),
+    [
+        ("${up}", 'up="bse"', "pass an existing link as up, or add"),
+        ("${up}_link", 'up="bse"', "name an existing link, or add"),
+    ],
+)
+def test_a_link_is_named_where_it_is_handed_over(tmp_path: Path, typed: str, call: str, repair: str) -> None:
+    camera = f'<link name="eye"/><joint name="j" type="fixed"><parent link="{typed}"/><child link="eye"/></joint>'
+    macro = f'<xacro:macro name="camera" params="up">{camera}</xacro:macro><xacro:camera {call}/>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="chassis"/>{macro}</robot>'
+    (finding,) = check_text(tmp_path, text, codes={"KIN002"}, name="r.urdf.xacro").findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+def test_a_macro_joins_the_pieces_if_its_call_says_to_what(tmp_path: Path) -> None:
+    held = '<joint name="k" type="fixed"><parent link="${up}"/><child link="base"/></joint>'
+    parts = f'<link name="world"/><xacro:unless value="${{not up}}">{held}</xacro:unless><link name="base"/>'
+    macro = f'<robot><xacro:macro name="arm" params="up:=\'\'">{parts}</xacro:macro></robot>'
+    (tmp_path / "arm.xacro").write_text(macro.replace("<robot>", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro">'))
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="arm.xacro"/><xacro:arm/></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"KIN005"}, name="r.urdf.xacro").findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("or pass up to macro arm, which then makes one")

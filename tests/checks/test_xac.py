@@ -72,16 +72,23 @@ INSERTED = '<xacro:insert_block name="origin"/>'
 @pytest.mark.parametrize(
     ("text", "repair"),
     [
-        (f"<joint>{INSERTED}</joint>", "define it before this line"),
+        (f"<joint>{INSERTED}</joint>", "delete the line if it is left over; else define the block before it"),
         (f"<joint><origin/>{INSERTED}</joint>", "delete the line: the <joint> has its own <origin>"),
         (
             f'<!-- <xacro:macro name="m" params="a *origin"> --><joint>{INSERTED}</joint>',
             "delete the line; or take the <xacro:macro> of line 3",
         ),
-        (f'<!-- <xacro:macro name="m" params="*other"> --><joint>{INSERTED}</joint>', "define it before this line"),
+        (
+            f'<!-- <xacro:macro name="m" params="*other"> --><joint>{INSERTED}</joint>',
+            "delete the line if it is left over; else define the block before it",
+        ),
         (
             f'<xacro:macro name="m" params=""><joint><origin/>{INSERTED}</joint></xacro:macro><xacro:m/>',
-            "define it before this line",
+            "delete the line: the <joint> has its own <origin>",
+        ),
+        (
+            f'<xacro:macro name="m" params=""><joint>{INSERTED}</joint></xacro:macro><xacro:m/>',
+            "delete the line if it is left over; else add `*origin` to the params of macro m",
         ),
     ],
 )
@@ -1086,10 +1093,21 @@ def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("include parts.xacro, which defines the macro,")
 
 
-def test_xacro_tags_in_a_plain_urdf_are_a_warning(tmp_path: Path) -> None:
-    text = '<robot name="r"><link name="a"/><property name="b" value="1"/></robot>'
+@pytest.mark.parametrize(
+    ("tags", "message", "severity"),
+    [
+        ('<property name="b" value="1"/>', "left", Severity.INFO),
+        ('<macro name="b" params=""/>', "left", Severity.INFO),
+        ('<macro name="b" params=""/><b/>', "plain", Severity.WARNING),
+        ('<include filename="b.xacro"/>', "plain", Severity.WARNING),
+    ],
+)
+def test_xacro_tags_in_a_plain_urdf_are_a_warning_where_they_should_make_something(
+    tmp_path: Path, tags: str, message: str, severity: Severity
+) -> None:
+    text = f'<robot name="r"><link name="a"/>{tags}</robot>'
     finding = only(check_text(tmp_path, text, codes={"XAC007", "XML003"}))
-    assert (finding.code, finding.message_id, finding.severity) == ("XAC007", "plain", Severity.WARNING)
+    assert (finding.code, finding.message_id, finding.severity) == ("XAC007", message, severity)
 
 
 @pytest.mark.parametrize(
@@ -1311,7 +1329,7 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
         xacro=True,
     )
     (tmp_path / "robot.urdf.xacro").write_text(text, encoding="utf-8")
-    finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC010"}))
+    finding = only(check(tmp_path / "robot.urdf.xacro", codes={"XAC001"}))
     assert finding.fix is not None
     assert "--arg model:=long" in finding.fix.title
     assert finding.message.endswith("known values: long, short")
@@ -1413,3 +1431,61 @@ def test_a_file_that_includes_without_the_prefix_may_lack_it_in_more_places(tmp_
     assert finding.fix is not None
     assert ("declare the prefix: `<robot xmlns:xacro=" in finding.fix.title) is not declared
     assert "as may the calls of their macros: <body>" in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("home", "repair"),
+    [("other", "correct the path, or use a release of q that has the file"), ("own", "correct the path")],
+)
+def test_a_file_that_a_package_from_elsewhere_lacks_may_be_in_another_release(
+    tmp_path: Path, home: str, repair: str
+) -> None:
+    text = f'{HEAD}<xacro:include filename="$(find q)/a.xacro"/></robot>'
+    write(
+        tmp_path,
+        {
+            "own/.git/HEAD": "",
+            "own/p/package.xml": "<package><name>p</name></package>",
+            "own/p/r.urdf.xacro": text,
+            f"{home}/q/package.xml": "<package><name>q</name></package>",
+        },
+    )
+    run = check(tmp_path / "own/p/r.urdf.xacro", codes={"XAC001"}, package_paths=[tmp_path / home])
+    (finding,) = (f for f in run.findings if f.code == "XAC001")
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize(
+    ("head", "text", "repair"),
+    [
+        (
+            'name="r"',
+            '<link name="$(arg a)"/><xacro:arg name="a" default="1"/>',
+            "move its `<xacro:arg>` up, before what reads it",
+        ),
+        (
+            'name="$(arg a)"',
+            '<xacro:arg name="a" default="$(arg b)"/>',
+            "give a value: `--arg a:=… --arg b:=…`; or write a fixed text",
+        ),
+        (
+            'name="r"',
+            '<xacro:arg name="prefix" default="1"/><link name="$(arg prefx)"/>',
+            "write `$(arg prefix)` if that is meant",
+        ),
+        (
+            'name="r"',
+            '<link name="$(arg a)"/>',
+            "give a value: `--arg a:=…`; or declare a default before the first use",
+        ),
+    ],
+    ids=["late", "root", "slip", "missing"],
+)
+def test_the_repair_of_an_argument_fits_the_place_that_reads_it(
+    tmp_path: Path, head: str, text: str, repair: str
+) -> None:
+    robot_ = f'<robot {head} xmlns:xacro="http://www.ros.org/wiki/xacro">{text}</robot>'
+    finding = only(check_text(tmp_path, robot_, "r.urdf.xacro", codes={"XAC010"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)

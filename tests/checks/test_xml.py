@@ -161,8 +161,8 @@ class TestXML009:
     @pytest.mark.parametrize(
         ("body", "repair"),
         [
-            ('<mesh filename="file://$(find p)/a.stl"/>', "write `package://p/…` for `file://$(find p)/…`, or let"),
-            ('<mesh filename="$(find p)/$(arg a).stl"/>', "let the launch file run xacro"),
+            ('<mesh filename="file://$(find p)/a.stl"/>', "write `package://p/…` for `file://$(find p)/…`, or load"),
+            ('<mesh filename="$(find p)/$(arg a).stl"/>', "load what xacro makes of it"),
         ],
     )
     def test_a_path_in_a_package_needs_no_xacro(self, tmp_path: Path, body: str, repair: str) -> None:
@@ -347,7 +347,10 @@ class TestXML003:
         text = f'<robot name="r"><link name="a"><limit effort="1"/><mass value="1"/>{inertial}</link></robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
-        assert joint.fix.title == "move it into <joint>; elsewhere delete it: <inertial> beside it has its own"
+        assert (
+            joint.fix.title
+            == "move it into <joint>, or delete it; elsewhere delete it: <inertial> beside it has its own"
+        )
 
     @pytest.mark.parametrize(
         ("mass", "end"),
@@ -412,7 +415,7 @@ class TestXML003:
         text = f'<robot name="r">{links}{joints}</robot>'
         joint = join_occurrences(findings(tmp_path, text, "XML003"), load_rules())
         assert joint.fix is not None
-        assert joint.fix.title == "move it into <joint>; b: delete it: <inertial> beside it has its own"
+        assert joint.fix.title == "move it into <joint>, or delete it; b: delete it: <inertial> beside it has its own"
 
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
@@ -1044,7 +1047,10 @@ class TestXML006:
 
     @pytest.mark.parametrize(
         ("second", "repair"),
-        [('friction="1"', "merge them: each has what the others lack"), ('damping="2"', "delete the wrong <dynamics>")],
+        [
+            ('friction="1"', "merge them, for each has what the others lack, or delete what is left over"),
+            ('damping="2"', "delete the wrong <dynamics>"),
+        ],
     )
     def test_two_that_complete_each_other_are_merged(self, tmp_path: Path, second: str, repair: str) -> None:
         more = f'<dynamics damping="1"/><dynamics {second}/>'
@@ -1264,10 +1270,10 @@ def test_substitutions_that_only_gazebo_reads_are_a_note(
     ("typed", "repair"),
     [
         ("${size/2} 0 0", "write the value in its place: the file does not define size"),
-        ("${1/2} 0 0", "let the launch file run xacro"),
-        ("${pi/2} ${sin(0.1)} 1e-3", "let the launch file run xacro"),
-        ("$(arg size) 0 0", "let the launch file run xacro"),
-        ("${'size'} 0 0", "let the launch file run xacro"),
+        ("${1/2} 0 0", "load what xacro makes of it"),
+        ("${pi/2} ${sin(0.1)} 1e-3", "load what xacro makes of it"),
+        ("$(arg size) 0 0", "load what xacro makes of it"),
+        ("${'size'} 0 0", "load what xacro makes of it"),
     ],
 )
 @pytest.mark.parametrize("tag", ["sensor", "plugin"])
@@ -1286,7 +1292,11 @@ def test_xacro_would_stop_at_a_name_that_the_file_does_not_define(
     ("typed", "severity", "repair"),
     [
         ("<origin/>", Severity.INFO, "delete it: it is empty"),
-        ('<origin xyz="0 0 1"/>', Severity.WARNING, "move it into <inertial> or <visual> or <collision> or <joint>"),
+        (
+            '<origin xyz="0 0 1"/>',
+            Severity.WARNING,
+            "move it into <inertial> or <visual> or <collision>, or delete it",
+        ),
     ],
 )
 def test_an_empty_element_in_the_wrong_place_is_deleted(
@@ -1301,7 +1311,8 @@ def test_an_empty_element_in_the_wrong_place_is_deleted(
 @pytest.mark.parametrize(
     ("geometry", "severity", "urdfdom"),
     [
-        ('<material name="m"/><box size="1 1 1"/>', "warning", "drops the shape"),
+        ('<material name="m"/><box size="1 1 1"/>', "error", "drops the shape"),
+        ('<origin/><box size="1 1 1"/>', "error", "drops the shape"),
         ('<box size="1 1 1"/><material name="m"/>', "warning", "ignores it"),
         ('<bx size="1 1 1"/>', "error", "drops the shape"),
         ('<box size="1 1 1"/><surface><mu>1</mu></surface>', "warning", "ignores it"),
@@ -1366,7 +1377,7 @@ def test_the_block_for_sdf_in_a_macro_names_the_link_as_it_is_typed(tmp_path: Pa
 
 
 @pytest.mark.parametrize(
-    ("name", "colour"), [("Black", "0 0 0 1"), ("gray", "0.5 0.5 0.5 1"), ("red", "1 0 0 1"), ("m1", "0.5 0.5 0.5 1")]
+    ("name", "colour"), [("Black", "0 0 0 1"), ("gray", "0.5 0.5 0.5 1"), ("red", "1 0 0 1"), ("m1", "…")]
 )
 def test_an_undefined_colour_is_proposed_by_its_name(tmp_path: Path, name: str, colour: str) -> None:
     shape = f'<visual><geometry><sphere radius="1"/></geometry><material name="{name}"/></visual>'
@@ -1416,3 +1427,39 @@ def test_a_semantic_description_with_a_blank_before_the_declaration_is_read(tmp_
     (unknown,) = check(package, codes={"COL003"}).findings
     assert unknown.location.span is not None
     assert unknown.location.span.line == 4
+
+
+@pytest.mark.parametrize(
+    ("typed", "repair"),
+    [
+        ("width", "write `${width}`"),
+        ("{width}", "write `${width}`"),
+        ("length", "write `$(arg length)`"),
+        ("wide", "write a number such as 0.5 or 1e-3"),
+    ],
+)
+def test_a_name_in_place_of_a_number_is_read_as_the_xacro_defines_it(tmp_path: Path, typed: str, repair: str) -> None:
+    defined = '<xacro:property name="width" value="1"/><xacro:arg name="length" default="2"/>'
+    shape = f'<visual><geometry><sphere radius="{typed}"/></geometry></visual>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{defined}<link name="a">{shape}</link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML007"}, name="r.urdf.xacro").findings
+    assert finding.fix is not None
+    assert (finding.message_id, finding.fix.title) == ("other", repair)
+
+
+@pytest.mark.parametrize(("own", "found"), [("", []), ('<link name="chassis"/>', ["XML011"])], ids=["part", "robot"])
+def test_the_material_of_a_part_of_another_robot_is_defined_there(tmp_path: Path, own: str, found: list[str]) -> None:
+    visual = '<visual><geometry><sphere radius="1"/></geometry><material name="brass"/></visual>'
+    joint = '<joint name="j" type="fixed"><parent link="base_link"/><child link="eye"/></joint>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{own}<link name="eye">{visual}</link>{joint}</robot>'
+    assert [f.code for f in check_text(tmp_path, text, codes={"XML011"}, name="r.urdf.xacro").findings] == found
+
+
+def test_a_material_of_an_included_file_is_not_to_be_deleted(tmp_path: Path) -> None:
+    steel = '<material name="steel"><color rgba="0.5 0.5 0.5 1"/></material>'
+    (tmp_path / "colours.xacro").write_text(f"<robot>{steel}</robot>")
+    include = '<xacro:include filename="colours.xacro"/>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}{steel}<link name="a"/></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML012"}, name="r.urdf.xacro").findings
+    assert finding.fix is not None
+    assert finding.fix.title == "delete the definition in r.urdf.xacro"

@@ -101,6 +101,39 @@ def test_packages_that_are_left_out_are_listed(workspace: Path) -> None:
     ]
 
 
+@pytest.mark.parametrize(
+    ("name", "typed"),
+    [
+        ("r.urdf", "{{ cookiecutter.name }}"),
+        ("r.urdf.xacro", "$Robot_name$"),
+        ("r.xacro", "@PROJECT_NAME@"),
+        ("r.urdf", "<%= name %>"),
+        ("r.urdf.xacro", "$(find <your-package>)/x"),
+    ],
+)
+def test_a_template_is_left_out_unless_it_is_named(workspace: Path, name: str, typed: str) -> None:
+    write(workspace, {name: f'<robot name="{typed}"><link name="a"/></robot>', "kept.urdf": URDF})
+    assert models(".") == ["kept.urdf"]
+    assert models(name) == [name]
+    ((path, reason),) = planned(".").left_out
+    assert path == name
+    assert reason.startswith("left out as a template, in which ")
+
+
+@pytest.mark.parametrize("typed", ["${{'a': 1}['a']}", "$(arg name)$", "a@b.c", "${x}"])
+def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> None:
+    text = f'<!-- {{{{ name }}}} --><robot name="{typed}"><link name="a"/></robot>'
+    write(workspace, {"r.urdf.xacro": text})
+    assert models(".") == ["r.urdf.xacro"]
+
+
+def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path) -> None:
+    text = '<launch><param name="a" value="$(find <your-package>)/b"/></launch>'
+    write(workspace, {"a_template.launch": text, "kept.urdf": URDF})
+    assert [path for path, _ in planned(".").left_out] == ["a_template.launch"]
+    assert not planned(".").launches
+
+
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
     write(workspace, {"build/a.urdf": URDF})
     assert models("build") == ["build/a.urdf"]

@@ -136,6 +136,22 @@ def generate_launch_description():
         text_ = f'<launch><arg name="n" default="ur"/><param name="robot_description" command="{command}"/></launch>'
         assert list_found(make_package(tmp_path, {"a.launch": text_})) == {"name": ("ur", 1)}
 
+    @pytest.mark.parametrize(
+        ("path", "is_meant"),
+        [
+            ("$(find $(arg robot))/urdf/arm.urdf.xacro", True),
+            ("$(find arm)/$(arg folder)/arm.urdf.xacro", True),
+            ("$(find arm)/urdf/$(arg robot).urdf.xacro", True),
+            ("$(find $(arg robot)_description)/urdf/arm.urdf.xacro", False),
+            ("$(find arm)/$(arg folder)/other.urdf.xacro", False),
+        ],
+    )
+    def test_a_path_of_which_an_argument_is_a_part(self, path: str, is_meant: bool, tmp_path: Path) -> None:
+        declared = "".join(f'<arg name="{name}" default="none"/>' for name in ("robot", "folder"))
+        param = f'<param name="robot_description" command="xacro \'{path}\' debug:=false"/>'
+        model = make_package(tmp_path, {"a.launch": f"<launch>{declared}{param}</launch>"})
+        assert ("debug" in list_found(model)) == is_meant
+
     def test_another_package_of_the_repository(self, tmp_path: Path) -> None:
         model = make_package(tmp_path, {})
         (tmp_path / ".git").mkdir()

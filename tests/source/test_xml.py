@@ -273,6 +273,7 @@ def test_nesting_ends_at_a_limit() -> None:
         ('<robot>\n  <a b="é &nbsp;"/></robot>', "`&nbsp;` is an undefined entity", 2, 11),
         ("<robot>\n<!-- é -- é -->\n</robot>", "a comment may not contain `--`", 2, 8),
         ("<robot>\n<!-- é --->\n</robot>", "a comment may not contain `--`", 2, 8),
+        ("<robot>\n<!-- a\n <!-- b --> c --></robot>", "a comment begins inside the comment of line 2", 3, 2),
         ('<robot a="é & b"/>', "`&` must begin the name of an entity", 1, 13),
         ("<robot>é & b</robot>", "`&` must begin the name of an entity", 1, 10),
         ("<robot>é &lt b</robot>", "`&lt` lacks its semicolon", 1, 10),
@@ -322,6 +323,27 @@ def test_broken_text_is_refused_where_it_breaks(text: str, says: str, line: int,
     error = refusal(text)
     assert says in str(error)
     assert (error.reason, error.span.line, error.span.col) == ("malformed", line, column)
+
+
+@pytest.mark.parametrize(
+    ("text", "repair"),
+    [
+        ("<a><b></c></a>", "write `</b>` in its place, or delete it"),
+        ("<a>\n<b>\n<b>\n</a>", "write `</b>` for the <b> of line 3 if it ends that of line 2; else close it"),
+        ("<a/><a/>", "delete one of the two if it is a copy; else make them one element: a file has one root"),
+        ("<a><!-- b </a>", "write `-->` where it ends; if the rest of the file is missing, restore it"),
+        ('<a b="$(find <pkg>)/c"/>', "write what `<pkg>` stands for"),
+    ],
+)
+def test_a_repair_fits_what_is_wrong(text: str, repair: str) -> None:
+    assert refusal(text).data["repair"] == repair
+
+
+@pytest.mark.parametrize(
+    ("text", "forgiven"), [("<a><!-- <!-- --> --></a>", True), ("<a></a><!-- <!-- --> -->", False)]
+)
+def test_tinyxml2_forgives_a_comment_in_a_comment_before_the_end(text: str, forgiven: bool) -> None:
+    assert refusal(text).data["forgiven"] is forgiven
 
 
 @pytest.mark.parametrize("mark", [b"", b"\xef\xbb\xbf"], ids=["plain", "BOM"])

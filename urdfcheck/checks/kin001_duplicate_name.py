@@ -39,6 +39,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if shared:
         names = [joint.name for joint in shared]
         links = [_locate_name(model.link_by_name[name]) for name in names]
+        proposed = f"{names[0]}_joint"
         finding = rule.finding(
             "shared",
             at=_locate_name(shared[0]),
@@ -46,7 +47,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=links[:10],
             who="a link and a joint share the name" if len(names) == 1 else "links and joints share the names",
             names=join_names(names),
-            first=names[0],
+            example="" if proposed in {*model.link_by_name, *model.joint_by_name} else f", such as {proposed}",
         )
         yield replace(finding, subjects=tuple(_locate_name(joint).subject for joint in shared))
 

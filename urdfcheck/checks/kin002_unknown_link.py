@@ -12,12 +12,13 @@ from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
+from urdfcheck.model.simulation_use import is_named_in_package
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 
-_ADDING = 'add `<link name="{called}"/>`, or name an existing link'
+_ADDING = 'add `<link name="{called}"/>`, or {naming}'
 # Beside a root, the link alone would be a second one.
-_CARRYING = 'name an existing link, or add `<link name="{called}"/>` and the joint that carries it'
+_CARRYING = '{naming}, or add `<link name="{called}"/>` and the joint that carries it'
 _ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
 # Where no other file names the link, its robot is not known.
 _LEFT_OVER = (
@@ -97,21 +98,35 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         is_part = model.source.is_xacro and not is_child and (not has_root or "name" not in model.robot.attributes)
         alone = _CARRYING if has_root and not is_child else _ADDING
         template = _choose_attachment(model, called) if is_part else alone
-        data["repair"] = template.format(called=data["called"], file=Path(model.source.name).name)
+        file, naming = Path(model.source.name).name, _describe_naming(attributes[0])
+        data["repair"] = template.format(called=data["called"], file=file, naming=naming)
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
         is_scrap = is_part and "name" not in model.robot.attributes
+        # With one it may be a robot, if anything starts it.
+        is_unused = is_part and not is_named_in_package(model)
         finding = rule.finding(
             "unknown",
             at=attributes[0],
             related=related,
             links=links,
-            severity=Severity.INFO if is_scrap else None,
+            severity=Severity.INFO if is_scrap else Severity.WARNING if is_unused else None,
             **data,
         )
     else:
         edits = edit_values((attribute, near) for attribute in attributes)
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _describe_naming(attribute: Attribute) -> str:
+    """Say where an existing link is to be named: in the call or the argument that hands the name over, if it is handed over."""
+    handed = attribute.collect_definitions()[:1]
+    for definition in handed:
+        if definition.kind == "parameter" and attribute.typed.strip() == f"${{{definition.name}}}":
+            return f"pass an existing link as {definition.name}"
+        if definition.kind == "argument" and attribute.typed.strip() == f"$(arg {definition.name})":
+            return f"give the argument {definition.name} an existing link"
+    return "name an existing link"
 
 
 def _choose_attachment(model: Model, called: str) -> str:

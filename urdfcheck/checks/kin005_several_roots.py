@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
+from urdfcheck.source.xacro.usage import collect_called_macros, collect_macros
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -38,8 +39,20 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         roots=roots,
         inside="" if is_own else f" in {Path(model.source.name).name}",
         repair=_describe_joints(roots, [len(piece) for piece in pieces])
-        + (", or delete unused links" if is_own else ", in the model's own file"),
+        + (", or delete unused links" if is_own else _describe_own_place(model)),
     )
+
+
+def _describe_own_place(model: Model) -> str:
+    """Say where a joint belongs between what included files make; a macro may make it itself if its call says to which link."""
+    made = {joint.element.span for joint in model.joints}
+    for macro in collect_macros(model.source.trees).values():
+        typed = (e for e in macro.element.walk() if e.tag == "joint" and e.span not in made)
+        parents = (parent.get("link").strip() for e in typed if (parent := e.find_child("parent")) is not None)
+        handed = next((name[2:-1] for name in parents if name[:2] == "${" and name[2:-1] in macro.parameters), None)
+        if handed is not None and macro.name in collect_called_macros(model.source.trees):
+            return f", in the model's own file, or pass {handed} to macro {macro.name}, which then makes one"
+    return ", in the model's own file"
 
 
 def _describe_joints(roots: list[str], sizes: list[int]) -> str:
@@ -48,7 +61,7 @@ def _describe_joints(roots: list[str], sizes: list[int]) -> str:
         for (ground, size), other in zip(zip(roots, sizes, strict=True), reversed(roots), strict=True):
             if size == 1 and (ground == "world" or ground.endswith("footprint")):
                 return f"add a joint, often a fixed one, from {ground} to {other}"
-    return "add a joint, often a fixed one, from the first piece to each of the others"
+    return "add the joints that are missing, often fixed ones"
 
 
 def _find_explained_links(graph: KinematicGraph) -> tuple[set[str], int]:

@@ -12,4 +12,11 @@ from urdfcheck.model.link_graph import KinematicGraph
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     KinematicGraph.from_model(model)  # raises if the xacro is not expanded: its links are still to come
     if not model.links:
-        yield rule.finding("none", at=model, robot=model.name)
+        yield rule.finding("none", at=model, robot=model.name, repair=_describe_repair(model))
+
+
+def _describe_repair(model: Model) -> str:
+    """Say how the robot gets links: those of a xacro file may be in a macro that it does not call, or under a condition."""
+    if model.source.is_xacro:
+        return "call the macro that makes the robot, or check the conditions and arguments around its links"
+    return "add a link" if model.robot.children else "write the robot, or delete the file"

@@ -12,7 +12,15 @@ from typing import Any
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import find_nearest_name, format_argument_option, format_choices, format_name_hint, join_names
+from urdfcheck.core.text import (
+    SLIP_LIKENESS,
+    find_nearest_name,
+    find_only_near_name,
+    format_argument_option,
+    format_choices,
+    format_name_hint,
+    join_names,
+)
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
@@ -58,6 +66,9 @@ _COMMENTED_MACRO = re.compile(
     r"""<!--(?:(?!-->).)*?(?P<macro><xacro:macro\s(?:(?!-->)[^>])*?\bparams\s*=\s*["'](?P<params>[^"']*)["'])""",
     re.DOTALL,
 )
+# What launch files of ROS 2 write in place of xacro's own substitutions.
+_OF_LAUNCH_FILES = re.compile(r"Unknown substitution command \[(find-pkg-share|var) +([^\s\]]+)\]")
+_OWN_WORDS = {"find-pkg-share": "find", "var": "arg"}
 _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
@@ -137,7 +148,9 @@ def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
         return _build_report_at_expression(failure, "refused", reason=reason)
     if failure.expression:
         return _build_report_at_expression(failure, "expression-failed", reason=reason)
-    return _build_report(failure, "failed", reason=reason)
+    launch = _OF_LAUNCH_FILES.search(reason)
+    repair = f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`" if launch else "correct what the message names"
+    return _build_report(failure, "failed", reason=reason, repair=repair)
 
 
 def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -239,7 +252,9 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
     defining = _find_defining_files(failure.source, name)
-    repair = "correct the name, or include the file that defines the macro before this line"
+    repair = "include the file that defines the macro before this line, or delete the call if it is left over"
+    if near:
+        repair = "correct the name, or include the file that defines the macro before this line"
     if defining:
         repair = f"include {' or '.join(defining)}, which defines the macro, before this line, or correct the name"
     return _build_report(
@@ -326,24 +341,30 @@ def _explain_undefined_block(failure: _ExpansionFailure, match: re.Match[str]) -
     trees = failure.source.trees
     known = {*collect_properties(trees), *(p for m in collect_macros(trees).values() for p in m.parameters)}
     name = match.group(1)
-    repair = _describe_leftover_block(failure, name) or (
-        f'define it before this line: `<xacro:property name="{name}">…</xacro:property>`, '
-        f"or, in a macro, add `*{name}` to its params"
+    macro, near = _find_macro_around(failure), find_only_near_name(name, known, SLIP_LIKENESS)
+    define = (
+        f"add `*{name}` to the params of macro {macro} and the element to its calls"
+        if macro
+        else f'define the block before it: `<xacro:property name="{name}">…`'
     )
+    repair = _describe_leftover_block(failure, name) or f"delete the line if it is left over; else {define}"
+    repair = repair if near is None else f"write `{near}`"
     return _build_report(failure, "undefined-block", name=name, hint=format_name_hint(name, known), repair=repair)
 
 
 def _describe_leftover_block(failure: _ExpansionFailure, name: str) -> str:
-    """Say what to do with an inserted block that a macro has left behind: outside any macro, where the element has one of its
-    kind, or below the macro's start tag in a comment. Empty for another."""
+    """Say what to do with an inserted block that a macro has left behind: where the element has one of its kind, or, outside any
+    macro, below the macro's start tag in a comment. Empty for another."""
     element, span = _find_failing_element(failure), failure.problem.location.span
-    if element is None or element.parent is None or span is None or _find_macro_around(failure):
+    if element is None or element.parent is None or span is None:
         return ""
     parent, text = element.parent.tag, failure.source.files[span.file].text
+    is_in_macro = _find_macro_around(failure) != ""
     macros = [
         comment
         for comment in _COMMENTED_MACRO.finditer(text, 0, span.start)
-        if name in (parameter.lstrip("*") for parameter in comment["params"].split() if parameter.startswith("*"))
+        if not is_in_macro
+        and name in (parameter.lstrip("*") for parameter in comment["params"].split() if parameter.startswith("*"))
     ]
     if element.parent.find_child(name) is None and not macros:
         return ""
@@ -373,8 +394,10 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     elsewhere = find_uninstalled_file(path, package, files)
     read = set(map(os.path.abspath, failure.source.files))
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
-    names_package = _names_package(failure)
-    correction = _PATH_REPAIR if names_package else f"{_PATH_REPAIR}; {_RELATIVE_HINT}"
+    correction = f"{_PATH_REPAIR}; {_RELATIVE_HINT}" if _is_relative(failure) else _PATH_REPAIR
+    root = failure.source.finder.find_repository()
+    if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
+        correction = f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
     if package is not None and elsewhere is None and len(namesakes) == 1:
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
@@ -423,11 +446,12 @@ def _find_other_start(failure: _ExpansionFailure) -> tuple[Path, str] | None:
     return None
 
 
-def _names_package(failure: _ExpansionFailure) -> bool:
-    """Whether the path that leads nowhere is typed with the name of a package."""
+def _is_relative(failure: _ExpansionFailure) -> bool:
+    """Whether the path that leads nowhere is typed without the name of a package, and does not start at the root."""
     span = failure.problem.location.span
     file = None if span is None else failure.source.files.get(span.file)
-    return span is not None and file is not None and "$(find" in file.text[span.start : span.end]
+    typed = "" if span is None or file is None else file.text[span.start : span.end].strip("\"' ")
+    return "$(find" not in typed and not typed.startswith("/")
 
 
 def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
@@ -516,7 +540,12 @@ def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) 
 
 
 def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    return _build_report_at_expression(failure, "key-missing", key=match.group(1))
+    # An argument may choose the file, and another one what is read of it.
+    has_arguments = any(True for _ in iter_elements_by_tag(failure.source.trees, "xacro:arg"))
+    repair = "correct the key, or add it to the yaml file" + (
+        "; if arguments choose the file, first give those that go together (`--arg`)" if has_arguments else ""
+    )
+    return _build_report_at_expression(failure, "key-missing", key=match.group(1), repair=repair)
 
 
 def _explain_bad_condition(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

@@ -71,7 +71,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             at=elements[0],
             related=elements[1:_MAX_EDITED],
             edits=_propose_edits(elements, source.trees[name], source.files[name])
-            if source.is_xacro and message != "dead"
+            if source.is_xacro and message not in {"dead", "left"}
             else [],
             severity=severity,
             tag=elements[0].tag,
@@ -92,14 +92,21 @@ def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Sev
 
     A model that is expanded has every value that it reads: a value that lacks the prefix takes no link from it.
     """
+    made = [e for e in elements if not (e.tag in _VALUE_TAGS or _is_uncalled(source, e))]
     if not source.is_xacro:
-        return "plain", Severity.WARNING
+        return ("plain", Severity.WARNING) if made else ("left", Severity.INFO)
     if source.root is None:
         return "halted", None
-    if any(e.tag not in _VALUE_TAGS for e in elements):
+    if made:
         return "unprefixed", None
     is_dead = all(_is_dead(source, element) for element in elements)
     return ("dead", Severity.INFO) if is_dead else ("value", Severity.WARNING)
+
+
+def _is_uncalled(source: Source, element: Element) -> bool:
+    """Whether an element defines a macro and no file has a tag of its name: the robot lacks nothing without it."""
+    called = (e for tree in source.trees.values() for e in tree.walk())
+    return element.tag == "macro" and all(e.tag.removeprefix("xacro:") != element.get("name") for e in called)
 
 
 def _describe_further_edits(tags: Collection[str], root: Element) -> str:
@@ -115,8 +122,10 @@ def _describe_further_edits(tags: Collection[str], root: Element) -> str:
 
 
 def _is_dead(source: Source, element: Element) -> bool:
-    """Whether a value without the prefix changes nothing: nothing reads the name, or it has that value from elsewhere, as from
-    xacro's own constants."""
+    """Whether a value or an uncalled macro without the prefix changes nothing: nothing reads the name, or it has that value from
+    elsewhere, as from xacro's own constants."""
+    if element.tag == "macro":
+        return True
     name, key = element.get("name"), "value" if element.tag == "property" else "default"
     constant, typed = getattr(math, name, None) if element.tag == "property" else None, parse_number(element.get(key))
     if isinstance(constant, float) and typed is not None and math.isclose(typed, constant, rel_tol=_ROUNDED):

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
-from urdfcheck.core.text import format_argument_option, format_choices
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
 
@@ -61,10 +61,22 @@ def _describe_repair(source: Source, at: Location, name: str, options: str, *, i
     if macro is not None:
         return f"write `${{{name}}}`: {name} is a parameter of the macro {macro} around it, and not an argument of the file"
     give = f"give a value: `{options}`; or declare"
+    if is_declared and _is_in_root_tag(source, at):
+        return f"give a value: `{options}`; or write a fixed text here, because no default can precede it"
     if is_declared:
-        limit = "in attributes of `<robot>`, where that is impossible, write a fixed name"
-        return f"{give} `<xacro:arg>` before the first use; {limit}"
+        return f"move its `<xacro:arg>` up, before what reads it; or give a value: `{options}`"
+    slip = find_only_near_name(
+        name, {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}, SLIP_LIKENESS
+    )
+    if slip is not None:
+        return f"write `$(arg {slip})` if that is meant; else give a value: `{options}`"
     return f'{give} a default before the first use: `<xacro:arg name="{name}" default="…"/>`'
+
+
+def _is_in_root_tag(source: Source, at: Location) -> bool:
+    """Whether an attribute of ``<robot>`` is at a place: xacro evaluates it before any default."""
+    root = source.main_tree
+    return root is not None and any(_is_within(at.span, attribute.span) for attribute in root.attributes.values())
 
 
 def _find_macro_with_parameter(source: Source, at: Location, name: str) -> str | None:

@@ -45,6 +45,7 @@ def _check_versions(model: Model, rule: Rule) -> Iterator[Finding]:
                 "version",
                 at=declared,
                 related=[main, *lost[:5]],
+                severity=Severity.INFO if all(e.tag == "limit" for e in lost) else None,
                 version=declared.value,
                 own=main.get("version") or "1.0, the default",
                 what=" and ".join(sorted({_NEWER_FEATURES[e.tag][1] for e in lost})),

@@ -87,6 +87,8 @@ RENAMING = "write `<{near}>`, also in the end tag"
 MERGING = "write a single `<{near}>` where a <{parent}> has the element twice"
 _CALL = "; if it calls a macro of xacro, define the macro and write `xacro:` before the name"
 DELETION = "delete it: <{parent}> already has a <{near}>"
+# No program has read the element: where it is read, the robot is another one.
+_UNLESS_RIGHT = ", or delete it"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -104,7 +106,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity = Severity.INFO
         if message == "sdf" and all(map(_holds_sdf_defaults, places)):
             severity = Severity.INFO
-        if parent_tag == "geometry" and severity is Severity.ERROR and not any(map(_is_in_place_of_shape, places)):
+        if parent_tag == "geometry" and any(map(_is_in_place_of_shape, places)):
+            severity = Severity.ERROR  # the shape is lost with it, even if it is empty
+        elif severity is Severity.ERROR:
             severity = Severity.WARNING
         is_of_moving = message == "misspelt" and data["near"] in _OF_MOVING_JOINTS
         if is_of_moving and all(_is_in_fixed_joint(place) or _holds_zeros(place) for place in places):
@@ -122,7 +126,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if wrong:
                 data["repair"] += ", and " + join_names(wrong)
             elif data["near"] == "dynamics" and not taken:
-                data["repair"] += "; programs then use " + _list_values(places)
+                data["repair"] += (
+                    f"; programs then use {_list_values(places)}. Delete it if the robot moves as it should"
+                )
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
@@ -154,10 +160,13 @@ def _describe_consequences(message: str, places: list[Element]) -> dict[str, str
         return ({"gazebo": gazebo[message]} if message in gazebo else {}) | dict.fromkeys(
             ("urdfdom", "mujoco", "drake", "bullet", "yourdfpy"), "ignores it, without a message"
         )
-    drawn = not any(map(is_collision_part, taken))
+    lacking = [place for place in taken if is_collision_part(place) and not _has_shape_beside(place)]
+    mujoco = "refuses the file" if lacking else "loads it without shapes that are only drawn"
+    if not lacking and any(map(is_collision_part, taken)):
+        mujoco = "ignores it, without a message"
     return {
         "urdfdom": "drops the shape, and every visual and collision of the link after it",
-        "mujoco": "loads it without shapes that are only drawn" if drawn else "refuses the file",
+        "mujoco": mujoco,
         "drake": "refuses the file",
         "bullet": "refuses the file",
         "yourdfpy": "refuses the file",
@@ -167,6 +176,10 @@ def _describe_consequences(message: str, places: list[Element]) -> dict[str, str
 def _is_in_place_of_shape(element: Element) -> bool:
     """Whether an element is the first one in a geometry, where urdfdom and Bullet look for the shape."""
     return element.parent is not None and element.parent.tag == "geometry" and element.parent.children[0] is element
+
+
+def _has_shape_beside(element: Element) -> bool:
+    return element.parent is not None and any(child.tag in CHILDREN["geometry"] for child in element.parent.children)
 
 
 def _holds_sdf_defaults(element: Element) -> bool:
@@ -285,34 +298,11 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         return "misspelt", Severity.ERROR if parent == "geometry" else Severity.WARNING, {"near": near}
     homes = [home for home, children in CHILDREN.items() if child.tag in children and home != "robot"]
     if homes:
-        listed = " or ".join(f"<{home}>" for home in homes)
-        held = [home for home in homes if home in CHILDREN.get(parent, ())]
-        if all(_lost_its_root(place, homes, model) for place in places):
-            repair = (
-                f"put <robot> … </robot> around {listed} in its file: <xacro:include> drops the root element of a file"
-            )
-        elif all(map(_is_empty, places)):
-            repair = "delete it: it is empty"
-        elif any(map(_holds_texts, places)):
-            repair = f"delete it, or write its numbers as attributes in {listed}: they are typed as in SDF"
-        elif parent == "robot":
-            home = _describe_home_in_robot(places, homes, listed)
-            if home is None:
-                return None
-            repair = home
-        elif held and all(_has_in_all(place.parent, held, child.tag) for place in places):
-            repair = f"delete it: {_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
-            repair += _describe_difference(places, held[0])
-        elif parent == "link" and all(_repeats_joint(place, model) for place in places):
-            repair = "delete it: the joint that places the link has the same"
-        elif parent == "link" and child.tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
-            repair = f"delete it: the joint that places the link has its own <{child.tag}>"
-        elif len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
-            repair = f"delete it: the {listed} has its own <{child.tag}>"
-        else:
-            repair = f"move it into {listed}"
+        repair = _describe_move(parent, places, homes, model)
+        if repair is None:
+            return None
         message = "pose" if parent == "robot" and child.tag == "origin" else "misplaced"
-        return message, Severity.WARNING, {"homes": listed, "repair": repair}
+        return message, Severity.WARNING, {"homes": _list_choices(homes), "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         return "shape", Severity.ERROR, {"repair": _describe_shape_repair(places)}
     if parent == "robot":
@@ -321,6 +311,37 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
     is_call = model.source.is_xacro and child.attributes and not child.children
     return "ignored", Severity.INFO, {"call": _CALL if is_call else ""}
+
+
+def _describe_move(parent: str, places: list[Element], homes: list[str], model: Model) -> str | None:
+    """Say where a known element in the wrong place belongs, or why it is to be deleted; None for one that is not wrong there."""
+    tag, listed = places[0].tag, _list_choices(homes)
+    held = [home for home in homes if home in CHILDREN.get(parent, ())]
+    around = _find_home_around(places, homes)
+    if all(_lost_its_root(place, homes, model) for place in places):
+        return f"put <robot> … </robot> around {listed} in its file: <xacro:include> drops the root element of a file"
+    if all(map(_is_empty, places)):
+        return "delete it: it is empty"
+    if any(map(_holds_texts, places)):
+        return f"delete it, or write its numbers as attributes in {listed}: they are typed as in SDF"
+    if parent == "robot":
+        return _describe_home_in_robot(places, homes, listed)
+    if held and all(_has_in_all(place.parent, held, tag) for place in places):
+        own = f"{_list_tags(held)} beside it {_AGREE[len(held) > 1]} own"
+        return f"delete it: {own}{_describe_difference(places, held[0])}"
+    if parent == "link" and all(_repeats_joint(place, model) for place in places):
+        return "delete it: the joint that places the link has the same"
+    if parent == "link" and tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
+        return f"delete it: the joint that places the link has its own <{tag}>"
+    if len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
+        return f"delete it: the {listed} has its own <{tag}>"
+    where = f"the <{around}> around it" if around else _list_choices(held) if held and parent != "geometry" else listed
+    return f"move it into {where}{_UNLESS_RIGHT}"
+
+
+def _list_choices(tags: list[str]) -> str:
+    """Return ``<a> or <b>``."""
+    return " or ".join(f"<{tag}>" for tag in tags)
 
 
 def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str) -> str | None:
@@ -338,7 +359,7 @@ def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str
     )
     if same and after is not None:
         return f"delete it: {after.tag} {after.get('name')} after it has the same{others}"
-    if before is None or before.tag not in homes:
+    if before is None or before.tag not in homes or not _are_typed_together(before, place):
         return None if place.tag == "origin" else f"move it into {listed}, or delete it where that has one already"
     owner = f"{before.tag} {before.get('name')}"
     if place.tag == "origin" and before.find_child("origin") is not None:
@@ -349,6 +370,12 @@ def _describe_home_in_robot(places: list[Element], homes: list[str], listed: str
     if drawn is not None and drawn is not before and drawn.find_child(place.tag) is None:
         return f"move it into {drawn.tag} {drawn.get('name')}: {owner} between them is an empty frame{others}"
     return f"move it into {owner}, which ends just before it{others}"
+
+
+def _are_typed_together(one: Element, other: Element) -> bool:
+    """Whether two elements come from one file, and there from the same call."""
+    files = [None if element.span is None else element.span.file for element in (one, other)]
+    return files[0] == files[1] and one.via == other.via
 
 
 def _describe_twin(place: Element, twin: Element, owner: str) -> str:
@@ -433,6 +460,13 @@ def _is_around(place: Element, home: str) -> bool:
             return all(one.find_child(place.tag) is not None for one in homes)
         around = around.parent
     return False
+
+
+def _find_home_around(places: list[Element], homes: list[str]) -> str | None:
+    """Return the tag of the elements around all places in which they belong and which have none of their tag yet."""
+    around = [_find_around(place, *homes) for place in places]
+    tags = {None if home is None or home.find_child(places[0].tag) is not None else home.tag for home in around}
+    return tags.pop() if len(tags) == 1 else None
 
 
 def _repeats_joint(place: Element, model: Model) -> bool:

@@ -15,6 +15,7 @@ from urdfcheck.source.text.engine_reactions import describe_empty_number, descri
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, is_unexpanded, iter_first_elements
 from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.xacro.usage import collect_macros, collect_properties, iter_elements_by_tag
 
 _NOT_A_NUMBER = re.compile(r"[+-]?nan(\(\w*\))?", re.IGNORECASE)
 _INFINITE = re.compile(r"[+-]?inf(inity)?", re.IGNORECASE)
@@ -24,6 +25,7 @@ _EXPRESSION = re.compile(r"(?=[\w.\s()*/+-]*\Z)[\w.\s()]*(?:[*/()]|\bpi\b|\bM_PI
 _BRACED = re.compile(r"\$\{([^{}]*)\}")
 # One number of an attribute: blanks inside ${…} do not separate.
 _TYPED_WORD = re.compile(r"(?:\$\{[^{}]*\}|\S)+")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _UNITS = frozenset({
     "m", "mm", "cm", "dm", "um", "µm", "km", "in", "inch", "inches", "ft", "g", "kg", "t", "lb", "lbs", "oz", "rad",
     "deg", "degree", "degrees", "°", "%", "n", "nm", "mnm", "n*m", "n·m", "nmm", "s", "ms", "rpm", "rad/s", "deg/s",
@@ -61,7 +63,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                         **reactions,
                     },
                     **_collect_data(attribute, word),
-                    repair=_describe_repair(attribute.value, word, count, in_xacro=model.source.is_xacro),
+                    repair=_describe_name(model, word)
+                    if message == "other"
+                    else _describe_repair(attribute.value, word, count, in_xacro=model.source.is_xacro),
+                    thousands=f", or no comma if {word} is in the thousands" if _THOUSANDS.fullmatch(word) else "",
                 )
             elif (extreme := _find_extreme_number(attribute)) is not None:
                 yield rule.finding(
@@ -93,6 +98,17 @@ def _describe_repair(value: str, word: str, count: int, *, in_xacro: bool) -> st
         return "write the result, or make the file a xacro and write `${…}`"
     whole = value.strip() if count == 1 else word if len(value.split()) == count else "…"
     return f"write `${{{whole.strip('{}')}}}`: xacro computes only what is inside"
+
+
+def _describe_name(model: Model, word: str) -> str:
+    """Say what to write for a word: where a xacro has a name of this spelling, its value is meant."""
+    trees, name = model.source.trees, word.strip("{}")
+    if model.source.is_xacro and name in {e.get("name") for e in iter_elements_by_tag(trees, "xacro:arg")}:
+        return f"write `$(arg {name})`"
+    parameters = (parameter for macro in collect_macros(trees).values() for parameter in macro.parameters)
+    if model.source.is_xacro and name in {*collect_properties(trees), *parameters}:
+        return f"write `${{{name}}}`"
+    return "write a number such as 0.5 or 1e-3"
 
 
 def _build_outside_finding(rule: Rule, element: Element, attribute: Attribute, count: int) -> Finding:
@@ -189,8 +205,7 @@ def _classify_word(word: str) -> tuple[str, str, str | None]:
         return "underscore", word, word.replace("_", "")
     if word.count(",") == 1 and parse_number(word.replace(",", ".")) is not None:
         # 1,000 may mean one or a thousand; 0,000 and 0,5 cannot mean thousands.
-        thousands = re.fullmatch(r"[+-]?[1-9]\d{0,2},\d{3}", word)
-        return "comma", word, None if thousands else word.replace(",", ".")
+        return "comma", word, None if _THOUSANDS.fullmatch(word) else word.replace(",", ".")
     if DECIMAL.fullmatch(word):  # a decimal number that is not finite
         return "overflow", word, None
     if _EXPRESSION.fullmatch(re.sub(r"^\{(.*)\}$", r"\1", word)):

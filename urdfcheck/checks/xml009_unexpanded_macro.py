@@ -29,7 +29,7 @@ CONSEQUENCES = {
 
 _DECLARING = "declare `xmlns:xacro` in the root element and "
 _RUNNING_XACRO = (
-    'let the launch file run xacro (ROS 1: `command="xacro …"` instead of `textfile`; '
+    'load what xacro makes of it (ROS 1: `command="xacro …"` instead of `textfile`; '
     "ROS 2: `Command(['xacro ', path])`)"
 )
 # A path of a mesh or texture in a package, which every program of ROS finds as package:// too.

@@ -12,14 +12,15 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, find_missing_path, list_resource_uses
 from urdfcheck.source.text.xml import Element
 
-# The colours of plain names; grey for all others.
-_GREY = "0.5 0.5 0.5 1"
+# The colours of plain names; those of others are not known.
 _COLOURS = {
     "black": "0 0 0 1",
     "blue": "0 0 1 1",
     "brown": "0.6 0.4 0.2 1",
     "cyan": "0 1 1 1",
+    "gray": "0.5 0.5 0.5 1",
     "green": "0 1 0 1",
+    "grey": "0.5 0.5 0.5 1",
     "magenta": "1 0 1 1",
     "orange": "1 0.5 0 1",
     "purple": "0.5 0 0.5 1",
@@ -47,7 +48,7 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
         elif name.strip() and name not in defined:
             without.setdefault(name, []).append(material)
     for name, materials in without.items():
-        if name not in everywhere and model.source.is_part:
+        if name not in everywhere and (model.source.is_part or _hangs_on_another_robot(model)):
             continue  # the file that includes this one may define it, and is checked as well
         names = [material.attributes["name"] for material in materials]
         yield build_group_finding(
@@ -61,12 +62,18 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
+def _hangs_on_another_robot(model: Model) -> bool:
+    """Whether all links of a xacro hang on a link that it has not, so that a robot elsewhere includes it (KIN002)."""
+    links, children = {link.name for link in model.links}, {joint.child for joint in model.joints}
+    return model.source.is_xacro and links <= children and any(joint.parent not in links for joint in model.joints)
+
+
 def _propose_definition(model: Model, name: str) -> str:
     """Return the element that defines the material: with its colour in another file of the repository, or else a usual one."""
     from urdfcheck.model.likeness.whole_models import find_colour_elsewhere  # loaded only for such a file
 
     elsewhere = find_colour_elsewhere(model, name)
-    colour = _COLOURS.get(name.strip().lower(), _GREY) if elsewhere is None else elsewhere[1]
+    colour = _COLOURS.get(name.strip().lower(), "…") if elsewhere is None else elsewhere[1]
     element = f'`<material name="{name}"><color rgba="{colour}"/></material>`'
     return element if elsewhere is None else f"{element} (its colour in {format_path(elsewhere[0])})"
 

@@ -48,6 +48,7 @@ def _check_repeated_materials(global_materials: list[Element], rule: Rule, model
             continue
         data: dict[str, Any] = {"severity": Severity.ERROR, "material": name}
         if material.span is None or material.span != first[name].span:
+            data["repair"] = _describe_deletion(material, first[name], model.source.name)
             yield rule.finding("repeated", at=material, related=[first[name]], **data)
             continue
         includes = _find_double_include(model, material.span.file)
@@ -56,6 +57,16 @@ def _check_repeated_materials(global_materials: list[Element], rule: Rule, model
             at = includes[1].span
             repair = f"delete the second include of {Path(material.span.file).name}, in line {at.line} of {Path(at.file).name}"
         yield rule.finding("again", at=material, related=[first[name], *includes], main=main, repair=repair, **data)
+
+
+def _describe_deletion(one: Element, other: Element, main: str) -> str:
+    """Say which of two definitions to delete: other models may need that of an included file."""
+    files = [None if material.span is None else material.span.file for material in (one, other)]
+    if files[0] == files[1]:
+        return "delete one of the two definitions"
+    return (
+        f"delete the definition in {Path(main).name}" if main in files else "delete the one that no other model needs"
+    )
 
 
 def _find_double_include(model: Model, file: str) -> list[Element]:

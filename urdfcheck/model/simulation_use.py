@@ -32,6 +32,10 @@ _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_co
 _MIMIC_ENGINE = re.compile(r"gz-physics-(?:bullet-featherstone|mujoco)")
 # The option of Gazebo's spawners that puts a joint at a position.
 _START_OPTION = re.compile(r"(?<![\w-])-J\b")
+# How launch files give Gazebo an SDF of their own, and how they give it a robot_description.
+_SDF = re.compile(r"\w\.sdf\b")
+_SPAWNS_FILE = re.compile(r"(?<![\w-])-file\b")
+_SPAWNS_DESCRIPTION = re.compile(r"(?<![\w-])-(?:topic|param|string|urdf)\b")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
@@ -87,11 +91,28 @@ def is_left_aside(model: Model) -> bool:
     return bool(named) and model.source.path.name not in named
 
 
+def is_named_in_package(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, names the model's own file. True without a package."""
+    own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
+    return model.source.package is None or any(map(own.search, _list_project_texts(model)))
+
+
 @fact
 def is_left_out_of_gazebo(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, give other models to Gazebo, and neither they nor one
-    that loads a robot_description names this one, by its name up to the first dot."""
+    that loads a robot_description names this one, by its name up to the first dot; or they give it an SDF and no
+    robot_description. Or nothing in them and in the robot is for Gazebo."""
     own, texts = _cut_name(model.source.path.name), _list_project_texts(model)
+    spawning = [text for text in texts if _GAZEBO.search(text)]
+    blocks = [
+        *model.robot.find_children("gazebo"),
+        *filter(is_simulated_hardware, model.robot.find_children("ros2_control")),
+    ]
+    if model.source.package is not None and not spawning and not blocks:
+        return True
+    gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
+    if gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning)):
+        return True
     simulated = {_cut_name(name) for text in texts if _GAZEBO.search(text) for name in _MODEL_FILE.findall(text)}
     loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in _MODEL_FILE.findall(text)}
     return bool(simulated) and own not in simulated | loaded

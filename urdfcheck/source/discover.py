@@ -12,7 +12,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
+from urdfcheck.core.text import truncate_text
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
+from urdfcheck.source.model_file import find_placeholder
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
     find_other_format,
@@ -31,7 +33,10 @@ from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
 from urdfcheck.source.text.xml import Element
-from urdfcheck.system.files import is_known_file
+from urdfcheck.system.files import is_known_file, read_regular
+
+# How much of a placeholder is shown.
+_LONGEST_SHOWN = 40
 
 
 def discover_targets(
@@ -184,16 +189,20 @@ class _Planner:
     def add_folder(self, path: Path) -> None:
         folder = self.get_folder(path)
         self.given_folders.append(resolve_path(path))
+        templates = _find_templates(folder)
         for found in folder.found_models:
-            self.add_found_model(found)
+            if found.path not in templates:
+                self.add_found_model(found)
         for candidate in folder.candidates:
-            self.add_found_model(candidate, is_spare=True)
+            if candidate.path not in templates:
+                self.add_found_model(candidate, is_spare=True)
         for launch in folder.launches:
-            if self.is_usable(launch, named=False):
+            if launch not in templates and self.is_usable(launch, named=False):
                 self.add_launch(launch)
         for model in self.list_configured_models(folder):
             if resolve_path(model) not in self.models:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
+        self.leave_out_templates(templates)
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
         for marked in sorted(folder.marked):
             for place, mark in list_left_out_packages(marked, folder.finder.can_open):
@@ -204,6 +213,14 @@ class _Planner:
                 self.missing.append((format_path(place), reason))
         macro_files = (path for path, file in folder.files.items() if file.defines_macros)
         self.macro_files.update(dict.fromkeys(path for path in macro_files if self.is_usable(path, named=False)))
+
+    def leave_out_templates(self, templates: Mapping[Path, str]) -> None:
+        """Say that the templates of a folder are left out, but for those that a launch file or the configuration names."""
+        for path, placeholder in templates.items():
+            if resolve_path(path) not in self.models and self.is_usable(path, named=False):
+                filled = truncate_text(placeholder, _LONGEST_SHOWN)
+                reason = f"left out as a template, in which {filled} is filled in; name it to check it"
+                self.left_out.append((format_path(path), reason))
 
     def add_found_model(self, found: FoundModel, *, is_spare: bool = False) -> None:
         """Add a file that was found in a folder."""
@@ -541,6 +558,16 @@ class _Planner:
         return any(folder in (real, *real.parents) for folder in self.given_folders)
 
 
+def _find_templates(folder: FolderIndex) -> dict[Path, str]:
+    """Return the models and the launch files in XML of a folder that a generator fills in, each with its first placeholder."""
+    templates = {path: file.placeholder for path, file in folder.files.items() if file.placeholder}
+    for launch in folder.launches:
+        placeholder = "" if launch.suffix == ".py" else find_placeholder(_read_text(launch))
+        if placeholder:
+            templates[launch] = placeholder
+    return templates
+
+
 def _assign_launches(targets: Sequence[ModelTarget]) -> list[ModelTarget]:
     """Return the targets with each launch file at one of them: one that loads two robots is checked with the first."""
     assigned: set[Path] = set()
@@ -550,3 +577,11 @@ def _assign_launches(targets: Sequence[ModelTarget]) -> list[ModelTarget]:
         models.append(replace(target, launches=launches))
         assigned |= {resolve_path(launch) for launch in launches}
     return models
+
+
+def _read_text(path: Path) -> str:
+    """Return the text of a file, as far as it can be read."""
+    try:
+        return read_regular(path).decode("utf-8", "replace")
+    except OSError:
+        return ""

@@ -35,6 +35,17 @@ _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?link\s*=\s*["']([^"']*)["'
 _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
+# and "<your-package>" in a value.
+_PLACEHOLDERS = (
+    ("{{", re.compile(r"(?<!\$)(\{\{\s*[A-Za-z_][\w.]*\s*\}\})")),
+    ("{%", re.compile(r"(\{%-?\s*\w+[^%\n]*%\})")),
+    ("<%", re.compile(r"(<%=?[^%\n]*%>)")),
+    ("$", re.compile(r"(\$(?=\w*[A-Z])[A-Za-z_]\w{3,}\$)")),
+    ("@", re.compile(r"(@[A-Z][A-Z0-9_]+@)")),
+    ('="', re.compile(r"=\"[^\"<>\n]*(<[A-Za-z]\w*(?:[ _.-]\w+)*>)[^\"<>\n]*\"")),
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,6 +70,7 @@ class ModelFile:
         source = self._source
         text = self.text if source is None else source.text
         self.is_robot = _ROBOT.search(text) is not None
+        self.placeholder = find_placeholder(text)
         self.is_empty = not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
         # An include in a comment has been tried before: the file that it names may be a part.
         self.mentions = list(dict.fromkeys(_INCLUDE.findall(text)))[:MAX_INCLUDES]
@@ -99,7 +111,7 @@ class ModelFile:
         return (
             *(self.is_robot, self.is_empty, self.is_xacro, tuple(self.mentions), tuple(self.includes)),
             *(self.only_macros, self.defines_macros, self.has_parts, self.stands_alone),
-            *(self.robot_name, self.names_links_elsewhere),
+            *(self.robot_name, self.names_links_elsewhere, self.placeholder),
         )
 
     @property
@@ -159,6 +171,13 @@ def _examine_text(text: str) -> _TreeSummary:
 
 # An editor plans anew after each key, and nearly all files are as they were.
 _examine_known_text = lru_cache(maxsize=256)(_examine_text)
+
+
+def find_placeholder(text: str) -> str:
+    """Return the first text in a file that a generator fills in before any program reads it; empty if it is not a template."""
+    patterns = [pattern for mark, pattern in _PLACEHOLDERS if mark in text and pattern.search(text)]
+    bare = _COMMENT.sub("", text) if patterns else ""
+    return next((match[1] for pattern in patterns if (match := pattern.search(bare))), "")
 
 
 def find_file_names(text: str) -> list[str]:

@@ -84,12 +84,8 @@ def _expand_with_passed_arguments(
     # A launch file that passes none fails. If none is known, whoever starts the model passes a value.
     own = {name: a for name, a in early.items() if all(may_pass_argument(launch, name) for launch in launches)}
     complete = _add_passed_arguments(result, own, expand)
-    return complete if complete.expansion.root is not None or _lacks_package(complete.expansion) else result
-
-
-def _lacks_package(expansion: Expansion) -> bool:
-    """Whether a package that is not found here ended the expansion."""
-    return any(problem.kind == "package-not-found" for problem in expansion.problems)
+    # What stops it with these defaults is what has to be mended or given: a value for them alone would not do.
+    return complete if complete.expansion.root is not None or complete.found != result.found else result
 
 
 def _find_early_defaults(path: Path, expansion: Expansion) -> dict[str, PassedArgument]:

@@ -40,6 +40,9 @@ SKIPPED_FOLDERS = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 BESIDE = 3
 # A name that a command assigns, and a text in quotes.
 ASSIGNMENT = re.compile(r"(?<![\w.:/-])([\w.-]+):=")
+# A path in a package, and an argument of the launch file in it.
+_IN_PACKAGE = re.compile(r"\$\(find ((?:[^()$]|\$\(arg [^()]+\))+)\)/(.+)")
+_ARGUMENT = re.compile(r"\$\(arg [^()]+\)")
 _QUOTED = re.compile(r"['\"]([^'\"\\]+)['\"]")
 # Stands for a piece of text that is only known at launch.
 _UNKNOWN = "\x01"
@@ -99,12 +102,25 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
         return []
     if launch.suffix == ".py":
         return list(_read_python(launch, data, model, finder))
-    return [
-        PassedArgument(name=name, value=value, location=description.at.location, rank=0)
-        for description in load_launch(launch, finder).descriptions
-        if description.path is not None and os.path.realpath(description.path) == model
-        for name, value in description.arguments.items()
-    ]
+    found: list[PassedArgument] = []
+    for description in load_launch(launch, finder).descriptions:
+        is_meant = description.path is not None and os.path.realpath(description.path) == model
+        if is_meant or _may_name(description.file, Path(model), finder):
+            at, rank = description.at.location, 0 if is_meant else BESIDE
+            found += [PassedArgument(name=n, value=v, location=at, rank=rank) for n, v in description.arguments.items()]
+    return found
+
+
+def _may_name(typed: str, model: Path, finder: PackageFinder) -> bool:
+    """Whether a typed path in a package means the model for other values of the launch arguments in it."""
+    match = _IN_PACKAGE.fullmatch(typed.strip("'\""))
+    package = None if match is None or "$(arg " not in typed else finder.find_package_of(model)
+    if match is None or package is None or "$" in _ARGUMENT.sub("", match[2]):
+        return False
+    named, inside = ("*".join(map(glob.escape, _ARGUMENT.split(part))) for part in match.groups())
+    place = os.path.relpath(model, os.path.realpath(package.path))
+    same_kind = _get_endings(inside) in {_get_endings(place), ""}
+    return same_kind and fnmatch.fnmatchcase(package.name, named) and fnmatch.fnmatchcase(place, inside)
 
 
 def may_pass_argument(launch: Path, name: str) -> bool:

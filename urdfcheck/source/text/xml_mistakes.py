@@ -21,7 +21,7 @@ _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 _MOST_SHOWN = 60
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # ``<your-package>`` in a value, for the reader to replace; and the rest of its line.
-_PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)+)>([^\n<]*)")
+_PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)*)>([^\n<]*)")
 # A start tag that someone made the beginning of a comment.
 _HALF_COMMENTED = re.compile(r"""<!--([A-Za-z_][\w:.-]*)(?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*\s*>""")
 # An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
@@ -69,6 +69,16 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     """Return what is wrong with characters that expat cannot interpret."""
     before, here = text[:at], text[at : at + 1]
     if before.endswith("--") and before.rfind("<!--", 0, at - 2) > before.rfind("-->"):
+        opener = before.rfind("<!--", 0, at - 4)
+        if before.endswith("<!--") and opener > before.rfind("-->"):
+            line = text.count("\n", 0, opener) + 1
+            message = f"a comment begins inside the comment of line {line}"
+            repair = (
+                f"end the comment of line {line} before this `<!--`, or delete this `<!--` and the first `-->` after it"
+            )
+            # Behind the root element, tinyxml2 takes what is left of the comment for another one.
+            is_after_root = bool(opened) and f"</{opened[0][0]}" in before[:opener]
+            return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root)
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
         return XmlMistake(message, at - 2, at, repair, forgiven=True)
@@ -193,9 +203,12 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
         return XmlMistake(message, start, end, repair)
     if around is None:
         message = f"</{typed}> has no open element to close; <{inner}>, opened in line {line}, is not closed"
-        return XmlMistake(message, start, end, f"write `</{inner}>`, or delete `</{typed}>`")
+        return XmlMistake(message, start, end, f"write `</{inner}>` in its place, or delete it")
     message = f"</{typed}> closes <{typed}> of line {around}, but <{inner}>, opened in line {line}, is not closed"
-    return XmlMistake(message, start, end, f"write `</{inner}>` where the element ends, or `/>` at the end of its tag")
+    repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag"
+    if len(opened) > 1 and opened[-2][0] == opened[-1][0]:
+        repair = f"write `</{inner}>` for the <{inner}> of line {line} if it ends that of line {opened[-2][1]}; else close it"
+    return XmlMistake(message, start, end, repair)
 
 
 def _find_empty_element(text: str, name: str, end: int) -> int | None:
@@ -222,9 +235,10 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
     tag = re.compile(r"<([^\s<>/=\"'&!?]+)").match(text, at)
     if tag is not None:
         message = f"a second root element, <{_shorten(tag[1])}>, begins after the end of {root}"
-        return XmlMistake(
-            message, *tag.span(), repair=f"move it into {root}, or delete the end tag that closes it too early"
-        )
+        repair = f"move it into {root}, or delete the end tag that closes it too early"
+        if opened and tag[1] == opened[0][0]:
+            repair = "delete one of the two if it is a copy; else make them one element: a file has one root"
+        return XmlMistake(message, *tag.span(), repair=repair)
     end = text.find("\n", at)
     message = f"there is text after the end of {root}"
     return XmlMistake(message, at, len(text) if end < 0 else max(end, at + 1), repair="delete it")
@@ -258,7 +272,7 @@ def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> 
         )
     tag, line = _shorten(opened[-1][0]), opened[-1][1]
     message = f"the file ends before <{tag}>, opened in line {line}, is closed"
-    repair = f"write `</{tag}>` where the element ends; the file may have been cut off"
+    repair = f"write `</{tag}>` where the element ends; if the rest of the file is missing, restore it"
     again = _find_second_root(text[:at], opened[0][0]) if len(opened) == 1 else None
     if again is not None:
         return XmlMistake(
@@ -297,9 +311,8 @@ def _describe_unclosed(text: str, at: int, opened: list[tuple[str, int]]) -> Xml
                 repair = f"write `<{tag}` in place of `<!--{tag}`, or {other}"
                 return XmlMistake(message, *half.span(), repair=repair)
             message = f"the {what} that begins here has no end: no `{end}` follows"
-            return XmlMistake(
-                message, at, at + len(begin), repair=f"write `{end}` where it ends; the file may have been cut off"
-            )
+            repair = f"write `{end}` where it ends; if the rest of the file is missing, restore it"
+            return XmlMistake(message, at, at + len(begin), repair=repair)
     return None
 
 
