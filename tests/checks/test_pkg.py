@@ -150,7 +150,7 @@ def test_a_package_may_be_in_a_submodule_that_is_not_checked_out(
     finding = only(audit(package(tmp_path, depends=depends), make_mesh_link("a", "package://arms/a.stl")))
     assert finding.fix is not None
     assert f"package arms is not {'installed here' if depends else 'found'}{hint}, " in finding.message
-    assert finding.fix.title.startswith(begin or ("install" if depends else "correct"))
+    assert finding.fix.title.startswith(begin or ("install" if depends else "add the package and declare it"))
     assert end in finding.fix.title
     assert ("submodule" in finding.fix.title) == bool(begin or end)
 
