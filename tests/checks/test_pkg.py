@@ -309,7 +309,7 @@ def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
     links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
     finding = only(audit(package(tmp_path), *links))
     assert finding.message.startswith(
-        "20 files are referenced by file:// paths of the author's machine: file:///usr/Ann/share/0/0.mesh"
+        "20 files are referenced by file:// paths of one machine: file:///usr/Ann/share/0/0.mesh"
     )
     assert len(finding.related) == 19
     other = (make_mesh_link("a", "file:///usr/Ann/a.mesh"), make_mesh_link("b", "file:///opt/Bob/b.mesh"))

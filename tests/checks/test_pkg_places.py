@@ -271,7 +271,7 @@ def test_the_end_of_a_machine_path_may_be_a_file_of_the_package(tmp_path: Path, 
     finding = find(tmp_path / "p/urdf/r.urdf", typed, code="PKG004")
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ([] if edit is None else [edit])
-    assert ("move the file into" in finding.fix.title) == (edit is None)
+    assert ("copy the file into" in finding.fix.title) == (edit is None)
 
 
 @pytest.mark.parametrize(
@@ -291,13 +291,44 @@ def test_a_file_that_is_on_one_machine_only_has_its_place_in_the_package(tmp_pat
 
 
 @pytest.mark.parametrize(
+    ("typed", "repair"),
+    [
+        ("/meshes/a.stl", "write `package://p/meshes/a.stl`: the package has the file"),
+        (
+            "/home/ann/ws/src/universal_robot/ur_description/meshes/ur5/base.dae",
+            "write `package://ur_description/meshes/ur5/base.dae`, and declare the dependency in package.xml",
+        ),
+        (
+            "/home/ann/miniforge3/envs/ros/share/ur_description/meshes/base.dae",
+            "write `package://ur_description/meshes/",
+        ),
+        (
+            "/home/ann/ws/src/tools/q/meshes/base.dae",
+            "write `package://q/meshes/base.dae`, and declare",
+        ),  # package.xml has it
+        ("/usr/share/gazebo-11/models/cup/meshes/cup.dae", "copy the file into the model's package"),
+        ("/opt/ros/humble/share/p/meshes/gone.stl", "copy the file into the model's package and write `package://p/me"),
+    ],
+)
+def test_a_machine_path_may_name_another_package(tmp_path: Path, typed: str, repair: str) -> None:
+    (tmp_path / ".git").mkdir()
+    depends = "<exec_depend>q</exec_depend>"
+    write(tmp_path, "p/package.xml", text=f'<package format="3"><name>p</name>{depends}</package>')
+    write(tmp_path, "p/meshes/a.stl")
+    finding = find(tmp_path / "p/urdf/r.urdf", typed, code="PKG004")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert "--allow-read" not in finding.fix.title
+
+
+@pytest.mark.parametrize(
     ("there", "repair"),
     [
         (
             ("meshes/b.stl",),
             "write `package://p/meshes/b.stl`, and the others likewise: the package has them, except a.stl, which must be added",
         ),
-        ((), "move the file into the model's package and write `package://p/meshes/a.stl`, and the others likewise"),
+        ((), "copy the file into the model's package and write `package://p/meshes/a.stl`, and the others likewise"),
     ],
 )
 def test_an_installed_path_says_the_name_of_the_package(tmp_path: Path, there: tuple[str, ...], repair: str) -> None:
@@ -347,13 +378,13 @@ def test_a_launch_file_of_rosbuild_names_the_folder_that_the_clone_should_have(
             "write `package://p/mesh/a.stl`: the package has the file",
             ["package://p/mesh/a.stl"],
         ),
-        (("r/a.stl",), "move the file into", []),  # any folder may have a file of this name
+        (("r/a.stl",), "copy the file into", []),  # any folder may have a file of this name
         (
             ("package.xml", "stl/a.stl"),
             "if stl/a.stl of the package is the file that is meant, write `package://p/stl/a",
             [],
         ),
-        (("package.xml", "stl/a.stl", "old/a.stl"), "move the file into", []),
+        (("package.xml", "stl/a.stl", "old/a.stl"), "copy the file into", []),
     ],
 )
 def test_a_machine_path_may_mean_a_file_that_is_here(

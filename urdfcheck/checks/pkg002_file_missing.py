@@ -64,8 +64,8 @@ _REPAIRS = {
 _FOLDER_WORDS = frozenset({
     *("3d", "assets", "backup", "bin", "binary", "cad", "col", "collada", "collision", "collisions", "coarse", "convex", "dae"),
     *("description", "fine", "full", "glb", "high", "hull", "low", "lowpoly", "media", "mesh", "meshes", "model", "models"),
-    *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified", "src"),
-    *("step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
+    *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified"),
+    *("src", "step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
 })  # fmt: skip
 
 
