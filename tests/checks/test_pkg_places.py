@@ -470,6 +470,15 @@ def test_what_a_package_must_declare(tmp_path: Path, files: dict[str, str], told
     assert {f.message_id: f.data["names"] for f in found} == told
 
 
+def test_a_dependency_that_is_commented_out_is_left_out_on_purpose(tmp_path: Path) -> None:
+    """As the MoveIt Setup Assistant leaves out warehouse_ros_mongo, with the reason."""
+    comment = "<!-- not released everywhere\n<exec_depend>warehouse_ros_mongo</exec_depend> -->"
+    write(tmp_path, "package.xml", text=MANIFEST.format("p").replace("</package>", f"{comment}</package>"))
+    finds = "".join(f'<include file="$(find {name})/a.launch"/>' for name in ("warehouse_ros_mongo", "joy"))
+    write(tmp_path, "launch/a.launch", text=f"<launch>{finds}</launch>")
+    assert [f.data["names"] for f in check(tmp_path, codes={"PKG007"}).findings] == [["joy"]]
+
+
 def test_a_mesh_that_no_parser_reads_is_not_missing(tmp_path: Path) -> None:
     """A geometry directly in a link is XML003's."""
     stray = link("l", f"<geometry>{mesh('package://gone/a.stl')}</geometry>")

@@ -48,6 +48,9 @@ _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
+# A comment of package.xml, and a dependency in it.
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
 # Messages about packages that are not found.
@@ -76,7 +79,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
     if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
         return
-    declared = {package.name, *package.dependencies}
+    # A line that is commented out was left out on purpose.
+    declared = {package.name, *package.dependencies, *_list_commented_dependencies(file.text)}
     undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
@@ -115,6 +119,11 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         missing |= _select_missing(package, _collect_started(package, declared | homes.keys()))
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _list_commented_dependencies(manifest: str) -> set[str]:
+    """Return the names in the ``<…depend>`` lines that comments of a package.xml hold."""
+    return {name for comment in _COMMENT.findall(manifest) for name in _DEPEND.findall(comment)}
 
 
 def _is_inside_another(folder: Path | None, package: Package) -> bool:
