@@ -16,7 +16,7 @@ from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
-from urdfcheck.source.package.package_folders import read_manifest_name
+from urdfcheck.source.package.package_folders import is_kept_aside, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -69,8 +69,6 @@ _DEFAULT_LINES = 4
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
 _SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
-# Folders of files that are kept and not used.
-_ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "old", "unused"})
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -291,7 +289,7 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
     """Whether the file that names a package is kept in a folder of what is no longer used."""
-    return not _ASIDE_FOLDERS.isdisjoint(folder.lower() for folder in _list_folders(use, package))
+    return use.location.span is not None and is_kept_aside(Path(use.location.span.file), package.path)
 
 
 def _is_stray(use: PackageMention, package: Package) -> bool:
