@@ -308,6 +308,26 @@ def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, fo
     assert len(check(tmp_path / "car", codes={"LCH001"}).findings) == count
 
 
+ROS2 = "<export><build_type>ament_cmake</build_type></export>"
+BOTH = ROS2.replace("</export>", "<build_type>catkin</build_type></export>")
+
+
+@pytest.mark.parametrize(("build", "severity"), [(ROS2, Severity.WARNING), (BOTH, Severity.ERROR)])
+def test_a_launch_file_of_ros_1_in_a_package_of_ros_2_is_left_over(
+    tmp_path: Path, build: str, severity: Severity
+) -> None:
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/><param name="use_gui" value="true"/>'
+    body = load("$(find car)/urdf/gone.urdf") + node + '<node pkg="joint_state_publisher" type="j" name="j"/>'
+    codes = {"LCH001", "LCH003", "LCH007"}
+    find_in_package(tmp_path, body, "LCH001", depend=build)
+    found = {f.code: f for f in only(check(tmp_path / "car/launch/car.launch", codes=codes))}
+    is_left = severity is Severity.WARNING
+    assert found.keys() == ({"LCH001"} if is_left else codes)
+    assert found["LCH001"].severity == severity
+    assert found["LCH001"].fix is not None
+    assert found["LCH001"].fix.title.startswith("delete the launch file" if is_left else "correct the path")
+
+
 def test_a_released_package_is_declared_and_a_dependency_of_a_dependency_is(tmp_path: Path) -> None:
     text = load("$(find ur_description)/urdf/ur.urdf")
     (finding,) = find_in_package(tmp_path, text, "LCH001")

@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
+from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.built_files import is_git_ignored
@@ -39,10 +40,27 @@ _XACRO = ".xacro"
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
+# What becomes of a finding on a launch file of ROS 1 in a package of ROS 2: another path does not make it start.
+_LEFT_OVER: dict[str, Any] = {
+    "severity": Severity.WARNING,
+    "fix": Fix(
+        "delete the launch file, or translate it if it is still needed: it is of ROS 1, and the package of ROS 2"
+    ),
+    "consequences": {"ros2_launch": "refuses the launch file, whatever it loads"},
+}
+
+
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.package is not None and is_kept_aside(launch.path, launch.package.path):
         return
+    for finding in _check_launch(context, rule):
+        is_error = finding.severity > Severity.INFO
+        yield replace(finding, **_LEFT_OVER) if launch.is_left_from_ros1 and is_error else finding
+
+
+def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
     if launch.python is not None:
         yield from _check_python_launch(launch.python, launch.finder, rule, is_explicit=context.is_explicit)
     for description in launch.descriptions:

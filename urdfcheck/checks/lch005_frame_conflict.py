@@ -26,6 +26,8 @@ _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
     launch = context.launch
+    if launch.is_left_from_ros1:  # nothing starts it
+        return
     model = context.model if context.model is None or _may_be_published(launch, context.model) else None
     placed = {t.child: t.parent for t in launch.transforms}
     for transform in launch.transforms:
