@@ -71,8 +71,18 @@ def _check_model_link(
             apart=_describe_difference(transform, joint) if repeats else "",
             **data,
         )
-    elif transform.parent in model.link_by_name:
+    elif transform.child in _list_links_above(model, transform.parent):
         yield rule.finding("loop", at=transform.at, **data)
+
+
+def _list_links_above(model: Model, link: str) -> set[str]:
+    """Return the links that joints lead from to this one."""
+    parents = {joint.child: joint.parent for joint in model.joints}
+    above: set[str] = set()
+    while link in parents and parents[link] not in above:
+        link = parents[link]
+        above.add(link)
+    return above
 
 
 def _describe_difference(transform: StaticTransform, joint: Joint) -> str:
