@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
@@ -20,6 +19,7 @@ from urdfcheck.source.resources import (
     ResourceUse,
     find_in_named_package,
     find_in_package,
+    find_installed_file,
     find_machine_path,
     format_path_from_model,
     list_resource_uses,
@@ -42,9 +42,8 @@ _KINDS = {
     "file": ("a file:// path", "file:// paths"),
     "home": ("a path in the home folder", "paths in the home folder"),
 }
-# Where the packages of a release of ROS are installed, and a file of a package that is installed there or in a workspace.
+# Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
-_INSTALLED = re.compile(r".*/(?:opt/ros/\w+|install(?:/[^/]+)?|devel)/share/([^/]+)/(.+)")
 # A released name of one word (robot, urdf) is as often a folder of another kind.
 _OF_SEVERAL_WORDS = "_"
 # So many outer folders (/, home, ann) are one place of a machine: what one author's tool wrote is one cause.
@@ -102,8 +101,8 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
 
 def _find_installed_path(use: ResourceUse) -> str | None:
     """Return the package path of a file in a folder where a release of ROS, or a workspace, has installed a package."""
-    found = None if use.resource.path is None else _INSTALLED.match(use.resource.path.as_posix())
-    return None if found is None else f"package://{found[1]}/{found[2]}"
+    found = None if use.resource.path is None else find_installed_file(use.resource.path)
+    return None if found is None else f"package://{found[0]}/{found[1]}"
 
 
 def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:

@@ -23,6 +23,8 @@ _DROPPED_SCHEME = re.compile(r"^(?:package|model)://")
 # What xacro makes of `package://NAME/file` in an include: a folder `package:` beside the file.
 _ADDRESS = re.compile(r"(?:^|/)package:/+([^/]+)(/.+)$")
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
+# A file of a package that is installed there, by a release of ROS or in a workspace.
+_INSTALLED = re.compile(r".*/(?:opt/ros/\w+|install(?:/[^/]+)?|devel)/share/([^/]+)/(.+)")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
 
 
@@ -138,6 +140,12 @@ def find_in_named_package(path: Path, finder: PackageFinder) -> tuple[str, str] 
         if finder.can_open(place) and os.path.isfile(place):
             return parts[index], inside
     return None
+
+
+def find_installed_file(path: Path) -> tuple[str, str] | None:
+    """Return the package and the file in it that a path names by a folder in which packages are installed."""
+    found = _INSTALLED.match(path.as_posix())
+    return None if found is None else (found[1], found[2])
 
 
 def find_package_address(path: str) -> str | None:
