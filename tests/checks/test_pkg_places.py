@@ -60,6 +60,28 @@ def test_the_place_of_files_is_named_where_there_is_no_package(
     assert finding.consequences["bullet"].startswith(bullet)
 
 
+@pytest.mark.parametrize(
+    ("package", "file", "near"),
+    [
+        ("template", "urdf/wheel.xacro", ["car"]),  # renamed from it
+        ("template", "urdf/gone.xacro", []),
+        ("template", "urdf/car.urdf.xacro", []),  # this file itself
+        ("ur_description", "urdf/wheel.xacro", []),
+    ],
+)
+def test_an_include_from_the_package_that_this_one_was_made_from(
+    tmp_path: Path, package: str, file: str, near: list[str]
+) -> None:
+    (tmp_path / ".git").mkdir()
+    space = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    write(tmp_path, "package.xml", text="<package><name>car</name></package>")
+    write(tmp_path, "urdf/wheel.xacro", text=f"<robot {space}/>")
+    include = f'<xacro:include filename="$(find {package})/{file}"/>'
+    write(tmp_path, "urdf/car.urdf.xacro", text=f'<robot name="r" {space}>{include}</robot>')
+    (finding,) = check(tmp_path / "urdf/car.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.data["near"] == near
+
+
 def test_a_model_that_xacro_wrote_elsewhere_lacks_only_what_is_installed_there(tmp_path: Path) -> None:
     """As `rosparam get /robot_description` records it beside measurements."""
     (tmp_path / ".git").mkdir()
@@ -124,10 +146,11 @@ def test_a_misspelt_suffix_is_recognised(tmp_path: Path, name: str, near: list[s
     (tmp_path / ".git").mkdir()
     write(tmp_path / "e", "package.xml", text="<package><name>ercole_description</name></package>")
     write(tmp_path / "e", "urdf/b.xacro", text='<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>')
+    write(tmp_path / "b", "package.xml", text="<package><name>bringup</name></package>")
     include = f'<xacro:include filename="$(find {name})/urdf/b.xacro"/>'
     text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}<link name="l"/></robot>'
-    write(tmp_path / "e", "urdf/r.urdf.xacro", text=text)
-    (finding,) = check(tmp_path / "e/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    write(tmp_path / "b", "urdf/r.urdf.xacro", text=text)
+    (finding,) = check(tmp_path / "b/urdf/r.urdf.xacro", codes={"PKG001"}).findings
     assert finding.data["near"] == near
 
 

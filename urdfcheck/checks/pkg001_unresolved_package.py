@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -66,7 +67,7 @@ def _build_finding(
     owner = _find_owner(source, at)
     dependent = _find_dependent(source, package, owner)
     declared = dependent is not None
-    owners = _find_package_with_files(uses, source)
+    owners = _find_package_with_files(uses, source) if uses else _find_own_include(package, owner, at, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
     checkout = "" if here or not package else propose_checkout(package, source.finder)
@@ -76,8 +77,8 @@ def _build_finding(
         if declared or here or checkout
         else owners or source.finder.suggest_names(package, _list_wanted_files(package, uses, at, source))
     )
-    evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if owners and package else ""
-    is_of_release = bool(uses) and kind == "files" and is_released_elsewhere(source, package)
+    evidence = f", which has {'these files' if len(files) > 1 else 'this file'}" if owners and package else ""
+    is_of_release = kind == "files" and not here and is_released_elsewhere(source, package)
     message = (
         "nameless"
         if not package
@@ -86,7 +87,7 @@ def _build_finding(
         else "files-recorded"
         if is_of_release and source.is_output_of_xacro
         else "files-released"
-        if is_of_release and not here
+        if is_of_release
         else kind
     )
     # The meshes of a declared package are missing only until it is installed.
@@ -175,6 +176,19 @@ def _find_package_with_files(uses: Sequence[ResourceUse], source: Source) -> lis
     owners = [name for name, folder in source.finder.list_packages().items() if _has_all_files(folder, inside, source)]
     is_own = source.package is not None and owners == [source.package.name]
     return owners if len(owners) == 1 and (is_own or len(inside) >= _LEAST_FILES) else []
+
+
+def _find_own_include(package: str, owner: Package | None, at: Location, source: Source) -> list[str]:
+    """Return the package of a xacro file if it has the file that is typed after another, unknown name: an old one of its own.
+
+    A file that includes one of its own name from elsewhere is a wrapper of that.
+    """
+    inside = _read_path_behind(at, source)
+    if owner is None or not inside or package in read_released_packages() or at.span is None:
+        return []
+    place = owner.path / inside
+    is_itself = os.path.abspath(place) == os.path.abspath(source.files[at.span.file].path)
+    return [owner.name] if not is_itself and _has_all_files(owner.path, [inside], source) else []
 
 
 def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
