@@ -102,6 +102,32 @@ def test_links_of_the_robot_that_a_description_was_set_up_for_are_not_missed(
     assert {finding.message_id for finding in findings} == ({"unknown", "never"} if is_found else set())
 
 
+@pytest.mark.parametrize(
+    ("loaded", "is_found"),
+    [("arm.urdf", True), ("arm.urdf.xacro", False), ("gone.urdf", True), ("$(arg robot).urdf", True)],
+)
+def test_a_description_belongs_to_the_model_that_is_loaded_with_it(tmp_path: Path, loaded: str, is_found: bool) -> None:
+    """The other file is what xacro once wrote."""
+    source = tmp_path / "workspace" / "src"
+    for name in ("arm", "arm_moveit_config"):
+        (source / name / "config").mkdir(parents=True)
+        (source / name / "package.xml").write_text(f'<package format="3"><name>{name}</name></package>')
+    (source / "arm" / "arm.urdf").write_text(make_two_bars())
+    (source / "arm" / "arm.urdf.xacro").write_text(make_two_bars())
+    disabled = f'<robot name="arm">{GROUP}{NEIGHBOURS}{pair("palm", "upper")}{pair("base", "fore")}</robot>'
+    (source / "arm_moveit_config" / "config" / "arm.srdf").write_text(disabled)
+    (source / "arm_moveit_config" / "launch").mkdir()
+    (source / "arm_moveit_config" / "launch" / "planning_context.launch").write_text(
+        """<launch><arg name="robot_description" default="robot_description"/>
+<param if="$(arg load)" name="$(arg robot_description)" command="$(find xacro)/xacro '$(find arm)/LOADED'"/>
+<param name="$(arg robot_description)_semantic" textfile="$(find arm_moveit_config)/config/arm.srdf"/></launch>""".replace(
+            "LOADED", loaded
+        )
+    )
+    findings = check(source / "arm" / "arm.urdf", codes={"COL003"}).findings
+    assert {finding.message_id for finding in findings} == ({"unknown", "never"} if is_found else set())
+
+
 def test_links_of_a_larger_variant_are_not_missed(tmp_path: Path) -> None:
     """The groups of the description name the gripper as well: this model is the arm without it."""
     hand = '<group name="hand"><link name="palm"/></group>'

@@ -8,7 +8,8 @@ import pytest
 from builders import find
 from conftest import FIXTURES, check
 
-from urdfcheck.core import Finding, Run, Severity
+from urdfcheck.core import Finding, Run, Severity, SkippedCheck
+from urdfcheck.rules import load_rules
 
 pytestmark = pytest.mark.slow
 
@@ -280,6 +281,73 @@ def test_what_a_launch_file_loads_is_asked_for_only_where_no_model_of_the_folder
     ]
     Path("car/urdf/car.urdf").unlink()
     assert [f.message_id for f in check(Path("car"), codes={"LCH001"}).findings] == ["unknown"]
+
+
+def test_a_model_that_only_the_launch_knows_is_listed_as_not_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    find_in_package(tmp_path, load("$(env HOME)/car.urdf"), "LCH001")
+    monkeypatch.chdir(tmp_path)
+    named = check(Path("car/launch/car.launch"))
+    (note,) = (f for f in named.findings if f.code == "LCH001")
+    assert note.message_id in load_rules()["LCH001"].on_request, "nothing is wrong with the launch file"
+    assert [(s.code, s.model) for s in named.skipped if "known only at launch" in s.reason] == [
+        (SkippedCheck.LAUNCHED_MODEL, "car.launch")
+    ]
+    assert not [s for s in check(Path("car")).skipped if s.code == SkippedCheck.LAUNCHED_MODEL], (
+        "its models are checked"
+    )
+
+
+@pytest.mark.parametrize(("folder", "count"), [("launch", 1), ("launch/not_used", 0)])
+def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, folder: str, count: int) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    path = tmp_path / "car" / folder / "old.launch"
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}</launch>")
+    assert len(check(tmp_path / "car", codes={"LCH001"}).findings) == count
+
+
+ROS2 = "<export><build_type>ament_cmake</build_type></export>"
+BOTH = ROS2.replace("</export>", "<build_type>catkin</build_type></export>")
+
+
+@pytest.mark.parametrize(("build", "severity"), [(ROS2, Severity.WARNING), (BOTH, Severity.ERROR)])
+def test_a_launch_file_of_ros_1_in_a_package_of_ros_2_is_left_over(
+    tmp_path: Path, build: str, severity: Severity
+) -> None:
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/><param name="use_gui" value="true"/>'
+    body = load("$(find car)/urdf/gone.urdf") + node + '<node pkg="joint_state_publisher" type="j" name="j"/>'
+    codes = {"LCH001", "LCH003", "LCH007"}
+    find_in_package(tmp_path, body, "LCH001", depend=build)
+    found = {f.code: f for f in only(check(tmp_path / "car/launch/car.launch", codes=codes))}
+    is_left = severity is Severity.WARNING
+    assert found.keys() == ({"LCH001"} if is_left else codes)
+    assert found["LCH001"].severity == severity
+    assert found["LCH001"].fix is not None
+    assert found["LCH001"].fix.title.startswith("delete the launch file" if is_left else "correct the path")
+
+
+def test_a_released_package_is_declared_and_a_dependency_of_a_dependency_is(tmp_path: Path) -> None:
+    text = load("$(find ur_description)/urdf/ur.urdf")
+    (finding,) = find_in_package(tmp_path, text, "LCH001")
+    assert finding.fix is not None
+    assert finding.fix.title == "declare it in package.xml"
+    arm = tmp_path / "arm/package.xml"
+    arm.parent.mkdir()
+    arm.write_text("<package format='2'><name>arm</name><depend>ur_description</depend></package>")
+    (tmp_path / ".git").mkdir()
+    (finding,) = find_in_package(tmp_path, text, "LCH001", depend="<depend>arm</depend>")
+    assert finding.message_id == "unknown"
+
+
+def test_a_xacro_in_place_of_a_model_that_is_read_as_it_is(tmp_path: Path) -> None:
+    for body, told in ((load("{}"), "which xacro must expand"), (XACRO.format("{}"), "did you mean")):
+        root = tmp_path / told.split()[0]
+        find_in_package(root, LOAD, "LCH001")
+        (root / "car/urdf/arm.urdf.xacro").write_text('<robot name="r"/>')
+        (finding,) = find_in_package(root, body.format("$(find car)/urdf/arm.urdf"), "LCH001")
+        assert told in finding.message
 
 
 INCLUDE = '<include file="{}"/>'

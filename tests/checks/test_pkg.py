@@ -152,7 +152,7 @@ def test_a_package_may_be_in_a_submodule_that_is_not_checked_out(
     finding = only(audit(package(tmp_path, depends=depends), make_mesh_link("a", "package://arms/a.stl")))
     assert finding.fix is not None
     assert f"package arms is not {'installed here' if depends else 'found'}{hint}, " in finding.message
-    assert finding.fix.title.startswith(begin or ("install" if depends else "correct"))
+    assert finding.fix.title.startswith(begin or ("install" if depends else "add the package and declare it"))
     assert end in finding.fix.title
     assert ("submodule" in finding.fix.title) == bool(begin or end)
 
@@ -311,7 +311,7 @@ def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
     links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
     finding = only(audit(package(tmp_path), *links))
     assert finding.message.startswith(
-        "20 files are referenced by file:// paths of the author's machine: file:///usr/Ann/share/0/0.mesh"
+        "20 files are referenced by file:// paths of one machine: file:///usr/Ann/share/0/0.mesh"
     )
     assert len(finding.related) == 19
     other = (make_mesh_link("a", "file:///usr/Ann/a.mesh"), make_mesh_link("b", "file:///opt/Bob/b.mesh"))
@@ -1403,17 +1403,42 @@ def test_meshes_in_the_python_package_are_not_in_share(tmp_path: Path, setup: st
 @pytest.mark.parametrize(
     ("there", "told"),
     [
-        (("meshes/other/link.stl",), True),
+        (("meshes/other/link.stl",), False),  # nothing says whose it is
+        (("meshes/arm_visual/link.stl",), True),
+        (("meshes/other/link.stl", "meshes/other/own.stl"), True),  # the model has another file there
         (("meshes/other/link.stl", "meshes/arm/base.stl"), False),  # the folder is right: that is another robot's
         (("meshes/arm/visual/link.stl", "meshes/arm/base.stl"), True),
         (("meshes/link.stl", "meshes/arm/base.stl"), True),
     ],
 )
 def test_a_file_of_the_same_name_may_be_another_robots(tmp_path: Path, there: tuple[str, ...], told: bool) -> None:
-    robot = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/arm/link.stl")}</robot>'
+    names = ("meshes/arm/link.stl", *(name for name in there if name.endswith("own.stl")))
+    robot = f'<robot name="r">{make_mesh_link("a", *(f"package://p/{name}" for name in names))}</robot>'
     write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, **dict.fromkeys(there, "")})
     (finding,) = findings(tmp_path, "PKG002")
     assert bool(finding.data["near"]) == told
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "repair"),
+    [
+        (".gitmodules", '[submodule "m"]\n\tpath = meshes\n\turl = u\n', "check out its submodule: `git submodule "),
+        (
+            ".gitmodules",
+            '[submodule "m"]\n\tpath = other\n\turl = u\n',
+            "correct the path, or add the folder with its files",
+        ),
+        (".gitignore", "*.stl\n", "correct the path, or add the folder with its files (.gitignore leaves it out)"),
+        (".gitignore", "*.dae\n", "correct the path, or add the folder with its files"),
+    ],
+)
+def test_git_may_say_why_a_mesh_is_not_here(tmp_path: Path, name: str, text: str, repair: str) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/a.stl")}</robot>'
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": robot, name: text, ".git/HEAD": ""})
+    (finding,) = findings(tmp_path, "PKG002")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert ("gitignore" in finding.fix.title) == ("gitignore" in repair)
 
 
 @pytest.mark.parametrize(

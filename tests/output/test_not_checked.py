@@ -45,14 +45,25 @@ def test_no_findings_is_never_said_where_something_was_not_checked() -> None:
     clean = replace(UNUSED_MACROS, unused_macro_files=())
     assert last_line(clean).startswith("✔ no errors, no warnings · 1 model")
     passed_over = replace(clean, skipped=(SkippedCheck("ALL", "wheel.stl", "no model names this mesh"),))
+    launched = replace(clean, skipped=(SkippedCheck(SkippedCheck.LAUNCHED_MODEL, "a.launch", "only at launch", True),))
     unread = replace(clean, models=(info(status="failed"),))
     for run, begin in (
         (UNUSED_MACROS, "⊘ 1 macro file is used by no checked model and was not checked"),
         (passed_over, "⊘ 1 other path was not checked"),
+        (launched, "⊘ 1 launched model was not checked"),
         (unread, "⊘ 1 of 1 model was not checked"),
     ):
         assert last_line(run).startswith(begin)
         assert "✔" not in text.render(run)
+
+
+@pytest.mark.parametrize("format_name", ["concise", "agent", "text", "markdown", "sarif", "junit", "json"])
+def test_a_model_that_only_the_launch_knows_is_named_with_the_reason(format_name: str) -> None:
+    skip = SkippedCheck(SkippedCheck.LAUNCHED_MODEL, "a.launch", "known only at launch", is_partial=True)
+    run = replace(UNUSED_MACROS, unused_macro_files=(), skipped=(skip,), unit_ids=frozenset({"a.launch"}))
+    shown = render(run, format_name)
+    assert "known only at launch" in shown
+    assert "a.launch" in shown or format_name in {"sarif", "junit"}
 
 
 def test_models_with_one_reason_are_named_together() -> None:

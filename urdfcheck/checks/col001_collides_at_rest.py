@@ -37,6 +37,7 @@ _DEEP_SHARE = 0.1
 _DISABLED = "ignores the pair: the SRDF disables it"
 _INTENDED = "disable the pair in other programs too if the overlap is intended (the SRDF does for MoveIt)"
 _TO_DISABLE = "add <disable_collisions> for the pair to the SRDF if the overlap is intended"
+_TO_EXCLUDE = "exclude the pair in every collision checker if the overlap is intended"
 # Of the configurations.
 _RARELY, _USUALLY = 0.05, 0.5
 # Cosine of the angle between the stages: 0.1°.
@@ -323,7 +324,7 @@ def _build_overlap_finding(
         ],
         severity=Severity.INFO if is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group) else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
-        srdf=_INTENDED if is_disabled else _TO_DISABLE,
+        srdf=_INTENDED if is_disabled else _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE,
         pose=_describe_pose(model, [p for p, _ in group]),
         link=pair.links[place],
         other=pair.links[1 - place],

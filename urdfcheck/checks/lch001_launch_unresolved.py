@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 import textwrap
 from collections.abc import Iterator
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Confidence, Finding, Location, Rule, Severity
+from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.built_files import is_git_ignored
@@ -22,20 +23,43 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
+from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_rosbuild_package
+from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
+from urdfcheck.source.ros.dependencies import find_dependent
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element
 
 # The characters of a command that a message shows.
 _SHOWN = 80
+_XACRO = ".xacro"
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
+# What becomes of a finding on a launch file of ROS 1 in a package of ROS 2: another path does not make it start.
+_LEFT_OVER: dict[str, Any] = {
+    "severity": Severity.WARNING,
+    "fix": Fix(
+        "delete the launch file, or translate it if it is still needed: it is of ROS 1, and the package of ROS 2"
+    ),
+    "consequences": {"ros2_launch": "refuses the launch file, whatever it loads"},
+}
+
+
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
+    launch = context.launch
+    if launch.package is not None and is_kept_aside(launch.path, launch.package.path):
+        return
+    for finding in _check_launch(context, rule):
+        is_error = finding.severity > Severity.INFO
+        yield replace(finding, **_LEFT_OVER) if launch.is_left_from_ros1 and is_error else finding
+
+
+def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.python is not None:
         yield from _check_python_launch(launch.python, launch.finder, rule, is_explicit=context.is_explicit)
@@ -74,14 +98,24 @@ def _check_description(
         checkout = propose_checkout(obstacle.name, launch.finder)
         if _is_in_rosbuild_package(description.file, launch.finder):
             yield build_unknown(f"rosbuild finds package {obstacle.name!r} only in a folder of this name")
-        elif package is None or obstacle.name not in package.dependencies:
+        elif package is None or find_dependent(package, obstacle.name, launch.finder) is None:
             near = _format_suggestions(_suggest_packages(launch, description, obstacle.name, package))
-            repair = f"correct the package name{near}, or declare it in package.xml"
+            declare = "install it" if package is None else "declare it in package.xml"
             if checkout:
-                near, repair = " (its submodule is not checked out)", f"{checkout}, and declare it in package.xml"
+                near, repair = " (its submodule is not checked out)", f"{checkout}, and {declare}"
+            elif obstacle.name in read_released_packages() and not near:
+                repair = declare
             else:
-                repair = add_checkout(repair, obstacle.name, launch.finder)
-            yield rule.finding("package", at=at, file=description.file, package=obstacle.name, near=near, repair=repair)
+                repair = add_checkout(f"correct the package name{near}, or {declare}", obstacle.name, launch.finder)
+            yield rule.finding(
+                "package",
+                at=at,
+                file=description.file,
+                package=obstacle.name,
+                near=near,
+                undeclared="" if package is None else " and package.xml does not depend on it",
+                repair=repair,
+            )
         else:
             yield build_unknown(
                 f"the submodule of package {obstacle.name!r} is not checked out"
@@ -101,7 +135,8 @@ def _check_description(
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file":
-        yield rule.finding("file", at=at, path=obstacle.name, **_describe_neighbours(obstacle.name, launch.finder))
+        beside = _describe_neighbours(obstacle.name, launch.finder, is_expanded=description.uses_xacro)
+        yield rule.finding("file", at=at, path=obstacle.name, **beside)
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:
@@ -141,7 +176,8 @@ def _check_python_launch(
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
-            **_describe_neighbours(path, finder),
+            kind="SRDF" if path.lower().endswith(SRDF_SUFFIXES) else "model",
+            **_describe_neighbours(path, finder, is_expanded=python.runs_xacro or message != "named"),
         )
     for named in python.unknown_models:
         message = "depends" if named.depends_on else "unfound"
@@ -201,13 +237,16 @@ def _format_suggestions(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
-def _describe_neighbours(path: str, finder: PackageFinder) -> dict[str, Any]:
-    """Return what a message says about the folder of a missing file, and what the repair takes from it."""
-    near = _suggest_file(path, finder)
+def _describe_neighbours(path: str, finder: PackageFinder, *, is_expanded: bool = True) -> dict[str, Any]:
+    """Return what a message says about the folder of a missing file, and what the repair takes from it.
+
+    ``is_expanded``: whether xacro expands the file.
+    """
+    near = _suggest_file(path, finder, is_expanded=is_expanded)
     return {"near": near, "meant": near if near.startswith(" (") else ""}
 
 
-def _suggest_file(path: str, finder: PackageFinder) -> str:
+def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str:
     folder = Path(path).parent
     if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
         return ""
@@ -220,6 +259,8 @@ def _suggest_file(path: str, finder: PackageFinder) -> str:
         return f"; the folder {format_path(folder)} does not exist either"
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
+    if len(namesakes) == 1 and namesakes[0].endswith(_XACRO) and not (wanted.endswith(_XACRO) or is_expanded):
+        return f" (there is {namesakes[0]!r}, which xacro must expand)"
     return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)
 
 

@@ -69,6 +69,8 @@ _SUCCESSORS = {
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
+    if launch.is_left_from_ros1:  # another name does not make it start
+        return
     successors = _SUCCESSORS.get(launch.dialect, {})
     for node in launch.nodes:
         attribute = node.attributes.get("type") or node.attributes.get("exec")

@@ -26,34 +26,36 @@ _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
     launch = context.launch
-    model = context.model if context.model is None or _may_be_published(launch, context.model) else None
+    if launch.is_left_from_ros1:  # nothing starts it
+        return
+    published = _is_published(launch, context.model) if context.model is not None and launch.transforms else False
+    model = None if published is False else context.model
+    where = "" if published else " if another launch file starts the publisher"
     placed = {t.child: t.parent for t in launch.transforms}
     for transform in launch.transforms:
         if model is not None and transform.child in model.link_by_name:
-            yield from _check_model_link(rule, transform, model, placed)
+            yield from _check_model_link(rule, transform, model, placed, where=where)
         elif _is_footprint(transform, model):
             yield from _check_footprint(rule, transform, model, height_tol=height_tol)
         elif model is not None and transform.parent not in placed:
             yield from _check_unknown_parent(rule, transform, model, likeness=likeness)
 
 
-def _may_be_published(launch: Launch, model: Model) -> bool:
-    """Whether a robot_state_publisher gets the model, or the launch file starts none."""
-    if not launch.transforms:
-        return False
+def _is_published(launch: Launch, model: Model) -> bool | None:
+    """Whether a robot_state_publisher of the launch file gets the model; None if it starts none: another one may."""
     scene = build_launch_scene(launch)
     publishers = [n for n in scene.nodes if n.program.partition("/")[0] == "robot_state_publisher" and not n.off]
     parameters = {port for node in publishers for port in node.reads}
     read = {p.origin for p in scene.parameters if p.port in parameters}
-    return not publishers or format_path(model.source.path) in read
+    return format_path(model.source.path) in read if publishers else None
 
 
 def _check_model_link(
-    rule: Rule, transform: StaticTransform, model: Model, placed: Mapping[str, str]
+    rule: Rule, transform: StaticTransform, model: Model, placed: Mapping[str, str], *, where: str
 ) -> Iterator[Finding]:
     """Report a transform to a link of the model, which only a root below the world needs.
 
-    ``placed``: the parents that the launch file gives frames.
+    ``placed``: the parents that the launch file gives frames; ``where``: the condition of a repair.
     """
     joint = next((j for j in model.joints if j.child == transform.child), None)
     data: dict[str, Any] = {"parent": transform.parent, "child": transform.child}
@@ -64,13 +66,24 @@ def _check_model_link(
             at=transform.at,
             related=[joint],
             joint=joint.name,
+            where=where,
             other=joint.parent,
             root=_describe_root(model, transform, placed),
             apart=_describe_difference(transform, joint) if repeats else "",
             **data,
         )
-    elif transform.parent in model.link_by_name:
+    elif transform.child in _list_links_above(model, transform.parent):
         yield rule.finding("loop", at=transform.at, **data)
+
+
+def _list_links_above(model: Model, link: str) -> set[str]:
+    """Return the links that joints lead from to this one."""
+    parents = {joint.child: joint.parent for joint in model.joints}
+    above: set[str] = set()
+    while link in parents and parents[link] not in above:
+        link = parents[link]
+        above.add(link)
+    return above
 
 
 def _describe_difference(transform: StaticTransform, joint: Joint) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping, Sequence
@@ -26,6 +27,7 @@ from urdfcheck.source.resources import (
     format_path_from_model,
     get_path_in_package,
     is_misspelt,
+    is_released_elsewhere,
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import find_dependent
@@ -34,6 +36,8 @@ from urdfcheck.source.text.xml import flatten_definitions
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
+# So many files of one package are its own: fewer of these names (`meshes/base_link.stl`) many packages have.
+_LEAST_FILES = 3
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
@@ -64,7 +68,7 @@ def _build_finding(
     owner = _find_owner(source, at)
     dependent = _find_dependent(source, package, owner)
     declared = dependent is not None
-    owners = _find_package_with_files(uses, source)
+    owners = _find_package_with_files(uses, source) if uses else _find_own_include(package, owner, at, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
     here = {} if declared else _find_files_here(uses, source)
     checkout = "" if here or not package else propose_checkout(package, source.finder)
@@ -74,15 +78,26 @@ def _build_finding(
         if declared or here or checkout
         else owners or source.finder.suggest_names(package, _list_wanted_files(package, uses, at, source))
     )
-    evidence = f", which has {'this file' if len(files) == 1 else 'these files'}" if owners and package else ""
-    message = "nameless" if not package else f"{kind}-declared" if declared else kind
+    evidence = f", which has {'these files' if len(files) > 1 else 'this file'}" if owners and package else ""
+    is_of_release = kind == "files" and not here and is_released_elsewhere(source, package)
+    message = (
+        "nameless"
+        if not package
+        else f"{kind}-declared"
+        if declared
+        else "files-recorded"
+        if is_of_release and source.is_output_of_xacro
+        else "files-released"
+        if is_of_release
+        else kind
+    )
     # The meshes of a declared package are missing only until it is installed.
-    lost = message in {"files", "nameless"}
+    lost = message in {"files", "files-released", "nameless"}
     # Without a package the model may be for programs that need none.
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
-    repair = checkout or _describe_repair(package, here, source, owner, declared=declared)
+    repair = checkout or _describe_repair(package, here, near, source, owner, declared=declared)
     own = [] if declared or here or near or checkout else _find_own_files(source, files)
     if own and package and source.package is not None:
         likewise = ", and the others likewise" if len(own) > 1 else ""
@@ -129,9 +144,9 @@ def _build_finding(
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:
     """Return the severity of a message; None for that of the rule."""
-    if message in {"files-declared", "rosbuild"}:
+    if message in {"files-declared", "files-recorded", "rosbuild"}:
         return Severity.INFO
-    return Severity.WARNING if is_outside or message == "expansion-declared" else None
+    return Severity.WARNING if is_outside or message in {"expansion-declared", "files-released"} else None
 
 
 def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:
@@ -165,7 +180,21 @@ def _find_package_with_files(uses: Sequence[ResourceUse], source: Source) -> lis
         names = {path.partition("/")[0] for path in inside}
         return sorted(names) if len(names) == 1 and all(map(source.finder.find, names)) else []
     owners = [name for name, folder in source.finder.list_packages().items() if _has_all_files(folder, inside, source)]
-    return owners if len(owners) == 1 else []
+    is_own = source.package is not None and owners == [source.package.name]
+    return owners if len(owners) == 1 and (is_own or len(inside) >= _LEAST_FILES) else []
+
+
+def _find_own_include(package: str, owner: Package | None, at: Location, source: Source) -> list[str]:
+    """Return the package of a xacro file if it has the file that is typed after another, unknown name: an old one of its own.
+
+    A file that includes one of its own name from elsewhere is a wrapper of that.
+    """
+    inside = _read_path_behind(at, source)
+    if owner is None or not inside or package in read_released_packages() or at.span is None:
+        return []
+    place = owner.path / inside
+    is_itself = os.path.abspath(place) == os.path.abspath(source.files[at.span.file].path)
+    return [owner.name] if not is_itself and _has_all_files(owner.path, [inside], source) else []
 
 
 def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
@@ -222,7 +251,13 @@ def _find_owner(source: Source, at: Location) -> Package | None:
 
 
 def _describe_repair(
-    package: str, here: Mapping[str, Path], source: Source, owner: Package | None, *, declared: bool
+    package: str,
+    here: Mapping[str, Path],
+    near: Sequence[str],
+    source: Source,
+    owner: Package | None,
+    *,
+    declared: bool,
 ) -> str:
     """Say how the files are found; ``owner``: the package whose manifest must declare the other one."""
     if here:
@@ -234,10 +269,14 @@ def _describe_repair(
     if declared:
         run_time = _ONLY_TO_BUILD.format(package) if owner is not None and _is_declared_to_build(owner, package) else ""
         return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`{run_time}"
-    if owner is not None and package in read_released_packages():
-        return f"declare it in package.xml and install it, or pass `--package {shlex.quote(package)}=FOLDER`"
-    declare = "declare it in package.xml or " if owner is not None else ""
-    return f"correct the name; if the package is only missing here, {declare}pass `--package {shlex.quote(package)}=FOLDER`"
+    elsewhere = f"pass `--package {shlex.quote(package)}=FOLDER`"
+    if package in read_released_packages() and not near:
+        return f"{'declare it in package.xml and ' if owner is not None else ''}install it, or {elsewhere}"
+    if near:
+        declare = "declare it in package.xml or " if owner is not None else ""
+        return f"correct the name; if the package is only missing here, {declare}{elsewhere}"
+    declare = " and declare it in package.xml" if owner is not None else ""
+    return f"add the package{declare}, or correct its name; if it is in another folder, {elsewhere}"
 
 
 def _is_declared_to_build(owner: Package, package: str) -> bool:

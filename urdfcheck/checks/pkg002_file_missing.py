@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import os
+import re
+import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
 from pathlib import Path
@@ -10,6 +12,7 @@ from pathlib import Path
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
+from urdfcheck.source.launch.built_files import is_git_ignored
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
@@ -22,6 +25,7 @@ from urdfcheck.source.package.similar_files import (
     find_uninstalled_file,
     index_files,
     is_of_variant,
+    list_missing_submodules,
     normalise_path,
     select_python_data,
 )
@@ -31,6 +35,7 @@ from urdfcheck.source.path_arguments import (
     list_path_arguments,
     select_guilty,
 )
+from urdfcheck.source.reach import FileReach
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_missing_uses,
@@ -53,6 +58,15 @@ _REPAIRS = {
     "several": "correct the path, or add the files",
     "folder": "correct the path, or add the folder with its files",
 }
+
+
+# What folders of meshes are called, whatever the robot is.
+_FOLDER_WORDS = frozenset({
+    *("3d", "assets", "backup", "bin", "binary", "cad", "col", "collada", "collision", "collisions", "coarse", "convex", "dae"),
+    *("description", "fine", "full", "glb", "high", "hull", "low", "lowpoly", "media", "mesh", "meshes", "model", "models"),
+    *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified"),
+    *("src", "step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
+})  # fmt: skip
 
 
 @dataclass(slots=True, eq=False)
@@ -155,7 +169,7 @@ def _build_finding(
     elsewhere = find_uninstalled_file(path, package, index)
     similar = moved.get(normalise_path(path))
     owners = [] if similar or elsewhere else _find_owner(gap, source)
-    similar_files = [similar] if similar else [] if owners else _find_similar_files(normalise_path(path), index)
+    similar_files = [similar] if similar else [] if owners else _find_similar_files(normalise_path(path), index, source)
     near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)] + owners
     argued, places = _explain_by_argument(gap, source)
     outside = {} if argued or elsewhere else _find_outside(gap, source)
@@ -185,7 +199,7 @@ def _build_finding(
         if own
         else describe_project_path(here.values(), source)
         if here
-        else _REPAIRS[message],
+        else _describe_checkout(gap, source) or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
         path=format_path(path),
@@ -271,12 +285,34 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
     return f"; argument {guilty[0]} leads there{format_choices(choices)}", [guilty[0].location]
 
 
-def _find_similar_files(path: Path, index: FilesByName) -> list[Path]:
+def _describe_checkout(gap: _MissingFiles, source: Source) -> str:
+    """Say how a submodule of git is checked out in which all the files may be; empty if there is none."""
+    levels = source.finder.list_parent_folders()
+    places = {normalise_path(level / name): name for name in list_missing_submodules(source.finder) for level in levels}
+    around = {places.get(next((f for f in path.parents if f in places), path)) for path in gap.files}
+    submodule = around.pop() if len(around) == 1 else None
+    return (
+        "" if submodule is None else f"check out its submodule: `git submodule update --init {shlex.quote(submodule)}`"
+    )
+
+
+def _describe_ignored(gap: _MissingFiles) -> str:
+    """Say that git leaves the files out, which a build makes, or the author has beside the repository."""
+    folder = gap.folder.parent if gap.folder is not None else gap.path.parent
+    reach = FileReach.from_paths([folder], [])
+    if not all(is_git_ignored(path, reach) for path in gap.files):
+        return ""
+    return f" (.gitignore leaves {'it' if len(gap.files) == 1 else 'them'} out)"
+
+
+def _find_similar_files(path: Path, index: FilesByName, source: Source) -> list[Path]:
     """Return up to two files of the same name elsewhere in the package, or one with the same words in its name beside it.
 
-    None is of another variant of the robot.
+    None is in the folder of another robot.
     """
-    same = [p for p in index.get(path.name.lower(), []) if p != path and not is_of_variant(path, p)]
+    used = {use.resource.path.parent for use in list_resource_uses(source) if use.resource.exists and use.resource.path}
+    named = [p for p in index.get(path.name.lower(), []) if p != path and not is_of_variant(path, p)]
+    same = [p for p in named if normalise_path(p.parent) in used or not _is_in_folder_of_another(path, p)]
     try:
         beside = os.listdir(path.parent)
     except OSError:
@@ -289,6 +325,20 @@ def _find_similar_files(path: Path, index: FilesByName) -> list[Path]:
         return same[:2]
     close = find_similar_name(path.name, meshes)
     return [path.parent / close] if close else []
+
+
+def _is_in_folder_of_another(path: Path, other: Path) -> bool:
+    """Whether a file is in a folder that is neither on the way to a missing one nor named after what it holds.
+
+    ``gripper/base.stl`` is not the ``base.stl`` of an arm; ``visual/base.stl`` may be.
+    """
+    common = Path(os.path.commonpath([path, other]))
+    names = {word for part in path.parts for word in _split_words(part)}
+    return any(not _split_words(part) <= names | _FOLDER_WORDS for part in other.parent.relative_to(common).parts)
+
+
+def _split_words(name: str) -> set[str]:
+    return {word for word in re.split(r"[^a-z0-9]+", name.lower()) if word}
 
 
 def _find_link_name(use: ResourceUse) -> str:

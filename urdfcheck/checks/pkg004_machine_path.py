@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
@@ -14,11 +13,13 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import (
     ResourceUse,
     find_in_named_package,
     find_in_package,
+    find_installed_file,
     find_machine_path,
     format_path_from_model,
     list_resource_uses,
@@ -41,9 +42,10 @@ _KINDS = {
     "file": ("a file:// path", "file:// paths"),
     "home": ("a path in the home folder", "paths in the home folder"),
 }
-# Where the packages of a release of ROS are installed, and a file of a package that is installed there or in a workspace.
+# Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
-_INSTALLED = re.compile(r".*/(?:opt/ros/\w+|install(?:/[^/]+)?|devel)/share/([^/]+)/(.+)")
+# A released name of one word (robot, urdf) is as often a folder of another kind.
+_OF_SEVERAL_WORDS = "_"
 # So many outer folders (/, home, ann) are one place of a machine: what one author's tool wrote is one cause.
 _OUTER_FOLDERS = 3
 
@@ -70,7 +72,7 @@ def _find_place(use: ResourceUse) -> tuple[object, ...]:
 
 
 def _choose_message(use: ResourceUse) -> str:
-    if _find_installed_path(use) is not None and str(use.resource.path).startswith(_RELEASED):
+    if _find_installed_path(use) and str(use.resource.path).startswith(_RELEASED):
         return "installed"
     return "unread" if not use.resource.allowed else "here-only" if use.resource.exists else "nowhere"
 
@@ -99,8 +101,27 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
 
 def _find_installed_path(use: ResourceUse) -> str | None:
     """Return the package path of a file in a folder where a release of ROS, or a workspace, has installed a package."""
-    found = None if use.resource.path is None else _INSTALLED.match(use.resource.path.as_posix())
-    return None if found is None else f"package://{found[1]}/{found[2]}"
+    found = None if use.resource.path is None else find_installed_file(use.resource.path)
+    return None if found is None else f"package://{found[0]}/{found[1]}"
+
+
+def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
+    """Return the package path of a file in an installed package, or below the name of a dependency or a released package.
+
+    None where the model's own package has that name: the file belongs there.
+    """
+    path, own = use.resource.path, source.package
+    installed = _find_installed_path(use)
+    if installed is not None or path is None:
+        return None if own is not None and (installed or "").startswith(f"package://{own.name}/") else installed
+    *parts, name = path.as_posix().replace("\\", "/").split("/")
+    declared = frozenset[str]() if own is None else own.dependencies
+    released = {part for part in parts if _OF_SEVERAL_WORDS in part} & read_released_packages()
+    # The last one, with a folder of its own between it and the file.
+    named = [i for i, part in enumerate(parts[:-1]) if part in declared | released]
+    if not named or (own is not None and parts[named[-1]] == own.name):
+        return None
+    return f"package://{'/'.join((*parts[named[-1] :], name))}"
 
 
 def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
@@ -124,9 +145,16 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
             return f"package://{package.name}/{path.resolve().relative_to(package.path.resolve()).as_posix()}"
         except ValueError:
             return None
-    inside = find_in_package(path, source.package, source.finder)
+    inside = find_in_package(path, source.package, source.finder) or _find_behind_slash(path, source)
     named = (package.name, inside) if inside is not None else find_in_named_package(path, source.finder)
     return None if named is None else f"package://{named[0]}/{named[1]}"
+
+
+def _find_behind_slash(path: Path, source: Source) -> str | None:
+    """Return the file of the model's package that a path names from there, with a slash before it (``/meshes/base.stl``)."""
+    inside = path.as_posix().lstrip("/")
+    place = None if source.package is None else source.package.path / inside
+    return inside if place is not None and source.finder.can_open(place) and os.path.isfile(place) else None
 
 
 def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:
@@ -167,34 +195,29 @@ def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:
 
 
 def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str | None], source: Source) -> str:
-    """Say what to write, or to move the files first."""
-    if message == "installed" or (not any(portable) and _are_of_other_packages(place, source)):
-        others = ", and the others likewise" if len({use.resource.text for use in place.uses}) > 1 else ""
-        return f"write `{_find_installed_path(place.uses[0])}`{others}, and declare the dependency in package.xml"
+    """Say what to write, or to copy the files first."""
+    likewise = ", and the others likewise"
+    several = len({use.resource.text for use in place.uses}) > 1
     paths = [path for path in portable if path is not None]
-    if len(paths) == len(portable):
-        others = ", and the others likewise" if len(set(paths)) > 1 else ""
+    if len(paths) == len(portable) and message != "installed":
         owner = "the package has the file" if paths[0].startswith("package://") else "the file is there"
-        return f"write `{paths[0]}`{others}: {owner}"
+        return f"write `{paths[0]}`{likewise if len(set(paths)) > 1 else ''}: {owner}"
+    others = [path or _find_path_of_other(use, source) for use, path in zip(place.uses, portable, strict=True)]
+    if None not in others:
+        declare = "" if source.package is None or all(portable) else ", and declare the dependency in package.xml"
+        return f"write `{others[0]}`{likewise if several else ''}{declare}"
     future = [_find_future_path(use, source) for use in place.uses]
     if paths and None not in future:
         lacking = [str(path) for path, here in zip(future, portable, strict=True) if here is None]
         names = join_names(list(dict.fromkeys(path.rpartition("/")[2] for path in lacking)), 3)
         return f"write `{paths[0]}`, and the others likewise: the package has them, except {names}, which must be added"
-    repair = f"move the file into the model's package and write {_format_future_path(future, place.uses, source)}"
+    repair = f"copy the file into the model's package and write {_format_future_path(future, place.uses, source)}"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:
-        others = ", and the others likewise" if len(namesakes) > 1 else ""
         own = f"package://{source.package.name}/{namesakes[0]}"
-        repair = f"if {namesakes[0]} of the package is the file that is meant, write `{own}`{others}; else {repair}"
-    return f"{repair}; if you trust the place, allow its folder: --allow-read DIR" if message == "unread" else repair
-
-
-def _are_of_other_packages(place: _MachinePath, source: Source) -> bool:
-    """Whether all files are in installed packages, and none of these is the model's own."""
-    own = "" if source.package is None else f"package://{source.package.name}/"
-    paths = [_find_installed_path(use) for use in place.uses]
-    return all(path is not None and not (own and path.startswith(own)) for path in paths)
+        meant = f"write `{own}`{likewise if len(namesakes) > 1 else ''}"
+        repair = f"if {namesakes[0]} of the package is the file that is meant, {meant}; else {repair}"
+    return repair
 
 
 def _find_future_path(use: ResourceUse, source: Source) -> str | None:

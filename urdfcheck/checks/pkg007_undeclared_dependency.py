@@ -16,7 +16,7 @@ from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import read_install_rules
-from urdfcheck.source.package.package_folders import read_manifest_name
+from urdfcheck.source.package.package_folders import is_kept_aside, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -48,6 +48,9 @@ _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
+# A comment of package.xml, and a dependency in it.
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
 # Messages about packages that are not found.
@@ -66,8 +69,6 @@ _DEFAULT_LINES = 4
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
 _SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
-# Folders of files that are kept and not used.
-_ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "old", "unused"})
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -76,7 +77,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
     if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
         return
-    declared = {package.name, *package.dependencies}
+    # A line that is commented out was left out on purpose.
+    declared = {package.name, *package.dependencies, *_list_commented_dependencies(file.text)}
     undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
@@ -115,6 +117,11 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         missing |= _select_missing(package, _collect_started(package, declared | homes.keys()))
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _list_commented_dependencies(manifest: str) -> set[str]:
+    """Return the names in the ``<…depend>`` lines that comments of a package.xml hold."""
+    return {name for comment in _COMMENT.findall(manifest) for name in _DEPEND.findall(comment)}
 
 
 def _is_inside_another(folder: Path | None, package: Package) -> bool:
@@ -282,7 +289,7 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
     """Whether the file that names a package is kept in a folder of what is no longer used."""
-    return not _ASIDE_FOLDERS.isdisjoint(folder.lower() for folder in _list_folders(use, package))
+    return use.location.span is not None and is_kept_aside(Path(use.location.span.file), package.path)
 
 
 def _is_stray(use: PackageMention, package: Package) -> bool:

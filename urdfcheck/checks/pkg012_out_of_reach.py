@@ -18,6 +18,7 @@ from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.resources import (
     ResourceUse,
     find_in_package,
+    find_installed_file,
     find_machine_path,
     find_package_address,
     is_misspelt,
@@ -123,6 +124,9 @@ class _UnreadPlace:
         inside = find_in_package(self.path, package, finder)
         if inside is not None:
             return f"write `$({find} {package.name})/{inside}`: the package has the file"
+        installed = find_installed_file(self.path) if self.is_typed else None
+        if installed is not None and installed[0] != package.name:
+            return f"write `$({find} {installed[0]})/{installed[1]}`, and declare {installed[0]} in package.xml"
         if not self.is_of_other_machine:
             return self._describe_move()
         inside = self._find_namesake(package)

@@ -276,6 +276,10 @@ class SkippedCheck:
 
     TIER_REASON: ClassVar[str] = "needs --tier "
     """What the reason of a check begins with that takes more than was to be computed."""
+    LAUNCHED_MODEL: ClassVar[str] = "model"
+    """What takes the place of a rule's code where a launch file was checked without the model that it loads."""
+    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL})
+    """What takes that place where something was not checked by any rule."""
 
     code: str
     model: str

@@ -18,7 +18,7 @@ from urdfcheck.output.shared.escaping import escape_for_log
 from urdfcheck.output.shared.verdict.claim import state_claim
 from urdfcheck.output.shared.verdict.effects import ToldEffects
 from urdfcheck.output.shared.verdict.finding_details import iter_details
-from urdfcheck.output.shared.verdict.not_checked import group_unchecked
+from urdfcheck.output.shared.verdict.not_checked import group_unchecked, list_launched_models
 from urdfcheck.output.shared.wording import find_finding_file, format_count, format_place, sort_worst_first
 
 # About three thousand tokens: an answer that leaves room for the work.
@@ -72,6 +72,7 @@ def _list_claims(run: Run, most: int) -> list[str]:
     for group in group_unchecked(run.unchecked_models):
         paths = join_names(dict.fromkeys(info.path for info in group.models))
         others.append(f"not checked: {paths}: {group.reason}{f' (try: {group.command})' if group.command else ''}")
+    others += [f"not checked: {name}: {reason}" for name, reason in list_launched_models(run).items()]
     sizes = list(accumulate(map(len, others)))
     told = max(1, bisect_right(sizes, most // 3))
     left = len(others) - told

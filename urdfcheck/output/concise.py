@@ -5,7 +5,7 @@ from __future__ import annotations
 from urdfcheck.core import Finding, Run
 from urdfcheck.core.merging import list_line_entries
 from urdfcheck.output.shared.escaping import escape_for_log
-from urdfcheck.output.shared.verdict.not_checked import describe_unused_macros, group_unchecked
+from urdfcheck.output.shared.verdict.not_checked import describe_unused_macros, group_unchecked, list_launched_models
 from urdfcheck.output.shared.wording import find_finding_file, format_concise
 
 
@@ -21,6 +21,7 @@ def render(run: Run) -> str:
     for group in group_unchecked(run.unchecked_models):
         paths = ", ".join(dict.fromkeys(info.path for info in group.models))
         lines.append(f"{paths}: not checked: {group.reason}{f' (try {group.command})' if group.command else ''}")
+    lines += [f"{name}: not checked: {reason}" for name, reason in list_launched_models(run).items()]
     if run.unused_macro_files:
         lines.append(f"not checked: {describe_unused_macros(run)}")
     lines += [f"not finished: {failure}" for failure in run.failures]

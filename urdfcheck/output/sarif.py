@@ -205,6 +205,8 @@ def _describe_skip(skip: SkippedCheck) -> str:
     """Return what was left out and why: a whole file, a rule, a part of what a rule finds, or what the report draws."""
     if skip.code == "ALL":
         return f"Not checked: {skip.reason.removeprefix('is not checked: ')}"
+    if skip.code == SkippedCheck.LAUNCHED_MODEL:
+        return f"The model of a launch file was not checked: {skip.reason}"
     if skip.is_partial:
         return f"{skip.code} is not complete: {skip.reason}"
     return f"{_UNMADE.get(skip.code, f'{skip.code} was not checked')}: {skip.reason}"

@@ -119,6 +119,10 @@ def _observe(settings: AuditSettings) -> Iterator[Observations | None]:
         yield observations
 
 
+# What LCH001 says of launch files whose model was not found, so that it was not checked.
+_UNKNOWN_MODELS = frozenset({"depends", "unfound", "unknown"})
+
+
 class _UnitAudit:
     """Loads a unit, runs the checks on it and collects what they report."""
 
@@ -349,7 +353,11 @@ class _UnitAudit:
             launch = load_launch(path, self.make_finder(path))
             self.loaded_launches.append(launch)
             self.texts.update({name: file.text for name, file in launch.files.items()})
+            before = len(self.findings)
             self.run_checks("launch", LaunchContext(launch, model, is_explicit=self.unit.is_explicit))
+            for finding in self.findings[before:]:
+                if finding.code == "LCH001" and finding.message_id in _UNKNOWN_MODELS:
+                    self.add_skip(SkippedCheck.LAUNCHED_MODEL, finding.message, is_partial=True)
             self.collect_seams(operator.methodcaller("list_launch_seams", launch))
 
     def audit_package(self) -> None:

@@ -12,6 +12,7 @@ from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, PackageFinder, Resource
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
@@ -22,6 +23,8 @@ _DROPPED_SCHEME = re.compile(r"^(?:package|model)://")
 # What xacro makes of `package://NAME/file` in an include: a folder `package:` beside the file.
 _ADDRESS = re.compile(r"(?:^|/)package:/+([^/]+)(/.+)$")
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
+# A file of a package that is installed there, by a release of ROS or in a workspace.
+_INSTALLED = re.compile(r".*/(?:opt/ros/\w+|install(?:/[^/]+)?|devel)/share/([^/]+)/(.+)")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
 
 
@@ -76,14 +79,23 @@ def find_first_file(text: str, source: Source) -> str | None:
 
 
 def find_uninstalled_files(source: Source) -> dict[str, set[str]]:
-    """Return the files that the model names in packages that its own package depends on and that are not installed here."""
+    """Return the files that the model names in packages that are right and not installed here.
+
+    Its own package depends on these, or xacro wrote the model with their names where they were installed.
+    """
     declared = frozenset() if source.package is None else source.package.dependencies
     files: dict[str, set[str]] = {}
     for use in list_resource_uses(source):
         package = use.resource.package
-        if package and package in declared and use.resource.path is None:
+        is_right = package in declared or (source.is_output_of_xacro and is_released_elsewhere(source, package or ""))
+        if package and is_right and use.resource.path is None:
             files.setdefault(package, set()).add(use.resource.text)
     return files
+
+
+def is_released_elsewhere(source: Source, package: str) -> bool:
+    """Whether a package that a model names is a released one, and the model is in no package that could declare it."""
+    return source.package is None and package in read_released_packages()
 
 
 def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definition | None:
@@ -128,6 +140,12 @@ def find_in_named_package(path: Path, finder: PackageFinder) -> tuple[str, str] 
         if finder.can_open(place) and os.path.isfile(place):
             return parts[index], inside
     return None
+
+
+def find_installed_file(path: Path) -> tuple[str, str] | None:
+    """Return the package and the file in it that a path names by a folder in which packages are installed."""
+    found = _INSTALLED.match(path.as_posix())
+    return None if found is None else (found[1], found[2])
 
 
 def find_package_address(path: str) -> str | None:

@@ -6,7 +6,7 @@ import html
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Run
+from urdfcheck.core import Run, SkippedCheck
 from urdfcheck.core.scene import Scene
 from urdfcheck.core.text import join_names
 from urdfcheck.output.markdown.bounded_page import BoundedPage, make_fold, truncate_text
@@ -23,6 +23,7 @@ from urdfcheck.output.shared.verdict.not_checked import (
     describe_status,
     group_unchecked,
     is_accepted,
+    list_launched_models,
 )
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, describe_found_arguments, format_count
@@ -45,6 +46,10 @@ def add_verdict(page: BoundedPage, run: Run) -> None:
     failures = [[f"- not checked: {escape_for_markdown(truncate_text(failure))}"] for failure in run.failures]
     page.add_group("failure", head=[], blocks=failures, foot=[""])
     blocks = [[_format_unchecked_group(group)] for group in group_unchecked(run.unchecked_models)]
+    blocks += [
+        [f"- {GLYPH} {format_code_span(name)} not checked, {escape_for_markdown(truncate_text(reason))}"]
+        for name, reason in list_launched_models(run).items()
+    ]
     page.add_group("reason why models were not checked", head=[], blocks=blocks, foot=[""])
     if not all(map(is_accepted, run.unchecked_models)):
         option, key = format_code_span(ACCEPTING_OPTION), format_code_span(ACCEPTING_KEY)
@@ -123,7 +128,7 @@ def add_skipped_checks(page: BoundedPage, run: Run) -> None:
     """Add why checks could not run, folded."""
     reasons: dict[str, set[str]] = {}
     for skip in run.skipped:
-        named = f" ({skip.model})" if skip.code == "ALL" and skip.model else ""
+        named = f" ({skip.model})" if skip.code in SkippedCheck.NO_RULES and skip.model else ""
         reasons.setdefault(f"{skip.reason}{named}", set()).add(skip.code)
     blocks = [
         [f"- {', '.join(sorted(codes))}: {escape_for_markdown(truncate_text(reason))}"]

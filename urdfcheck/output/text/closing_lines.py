@@ -56,7 +56,7 @@ def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
     for reason, (codes, models) in sorted(reasons.items()):
         # What was not checked at all is told by its name; it is none of the models.
         checked = len(run.models) - len(unchecked)
-        applies_to_all = "" in models or (len(models) >= checked and "ALL" not in codes)
+        applies_to_all = "" in models or (len(models) >= checked and codes.isdisjoint(SkippedCheck.NO_RULES))
         where = "" if applies_to_all else f" ({join_names(sorted(models), 3)})"
         line = f"skipped {join_names(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
         yield from wrap_text(Text(line, "dim"), width)

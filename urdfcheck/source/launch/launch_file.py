@@ -19,6 +19,7 @@ from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
+from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
@@ -110,6 +111,14 @@ class Launch:
         return locate_start("launch", self.name)
 
     @property
+    def is_left_from_ros1(self) -> bool:
+        """Whether it is of ROS 1 in a package of ROS 2: with ``$(find …)`` or a node's ``type`` nothing starts it."""
+        if self.root is None or self.dialect != "ros1" or self.package is None:
+            return False
+        text = self.files[self.name].text if self.name in self.files else ""
+        return is_only_of_ros2(self.package.root) and _ROS1_TEXT.search(text) is not None
+
+    @property
     def nodes(self) -> list[Element]:
         """Every ``<node>``, including those in groups."""
         return [] if self.root is None else [e for e in self.root.walk() if e.tag == "node"]
@@ -118,6 +127,10 @@ class Launch:
     def arguments(self) -> list[Element]:
         """Every ``<arg>`` that declares an argument of this file, without those that are passed to an include."""
         return [] if self.root is None else list_declared_arguments(self.root)
+
+
+# What only launch files of ROS 1 have.
+_ROS1_TEXT = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
 
 
 def list_declared_arguments(root: Element) -> list[Element]:

@@ -277,6 +277,7 @@ class PythonLaunchReader:
                 asked += node.args
             elif name in {"exists", "is_file"} and isinstance(node.func, ast.Attribute) and not node.args:
                 asked.append(node.func.value)
+        asked += _list_tried_arguments(self.nodes)
         return {self.finder.find_source(Path(text)) for node in asked if (text := self.evaluate_text(node))}
 
     def find_missing_includes(self, tested: set[Path]) -> dict[str, ast.expr]:
@@ -365,6 +366,14 @@ class PythonLaunchReader:
         begin = self.starts[min(line, len(self.starts)) - 1]
         text = self.file.text[begin : begin + column]  # at least as many code points as needed
         return begin + len(text.encode("utf-8", "surrogatepass")[:column].decode("utf-8", "ignore"))
+
+
+def _list_tried_arguments(nodes: Iterable[ast.AST]) -> list[ast.expr]:
+    """Return what calls are given in a ``try`` whose handlers all go on."""
+    tries = (n for n in nodes if isinstance(n, ast.Try) and n.handlers)
+    going_on = (t for t in tries if not any(isinstance(line, ast.Raise) for h in t.handlers for line in ast.walk(h)))
+    inside = (inner for t in going_on for line in t.body for inner in ast.walk(line))
+    return [argument for call in inside if isinstance(call, ast.Call) for argument in call.args]
 
 
 def _names_xacro(node: ast.AST) -> bool:

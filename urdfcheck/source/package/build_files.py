@@ -25,6 +25,13 @@ def name_launch_command(root: Element | None) -> str:
     return "ros2_launch" if read_build_type(root).startswith("ament_") else "roslaunch"
 
 
+def is_only_of_ros2(root: Element | None) -> bool:
+    """Whether every build type that a manifest exports is one of ROS 2; a package of both has catkin's too."""
+    export = None if root is None else root.find_child("export")
+    types = [] if export is None else [e.text.strip() for e in export.find_children("build_type")]
+    return bool(types) and all(name.startswith("ament_") for name in types)
+
+
 def read_installed_files(name: str, build: str, read_text: Callable[[str], str | None]) -> InstalledFiles | None:
     """Return what the build of a package installs into its share folder; None if no build file shows it.
 

@@ -20,7 +20,7 @@ from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.source.xacro.file_contents import has_only_macros
-from urdfcheck.system.files import remember_large_folders
+from urdfcheck.system.files import read_regular, remember_large_folders
 
 # The folders of semantic descriptions in a MoveIt configuration. A description package of several robots may have one beside
 # each of them (robots/panda_description/srdf): the model's own package is searched, to a depth and a number of folders.
@@ -29,6 +29,11 @@ LEVELS_DOWN = 3
 # The file in which the MoveIt Setup Assistant keeps what it was told.
 SETUP_FILE = ".setup_assistant"
 MAX_FOLDERS = 200
+# The launch file of MoveIt 1 that loads the model and its description, the element that does, and the model in it.
+_PLANNING_CONTEXT = "launch/planning_context.launch"
+_PARAMETER = re.compile(r"<param\b[^<>]*>")
+_DESCRIPTION = re.compile(r"\bname\s*=\s*[\"'](?:\$\(arg robot_description\)|/?robot_description)[\"']")
+_MODEL = re.compile(r"\$\(find\s+([\w.-]+)\s*\)/([^\s\"'<>$]+\.(?:urdf|xacro))(?=[\s\"'])")
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _LATE_DECLARATION = re.compile(r"\A(\ufeff?\s+)(<\?xml\s[^>]*\?>)")
 # The attributes that name links and joints of the robot, by element and the element around it.
@@ -193,29 +198,59 @@ def has_derived_model(srdf: Srdf, source: Source) -> bool:
 
 
 def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
-    """Whether the MoveIt Setup Assistant made a semantic description for a file that is neither the model's nor included by it.
+    """Whether a semantic description was made for a file that is neither the model's nor included by it.
 
-    It notes the file in ``.setup_assistant`` in the package that it makes.
+    The MoveIt Setup Assistant notes the file in ``.setup_assistant`` in the package that it makes, and the launch file
+    ``planning_context.launch`` of MoveIt 1 loads both.
     """
     package = source.finder.find_package_of(srdf.path.absolute())
     if package is None or srdf.path.absolute().parent == source.path.absolute().parent:
         return False
+    own = {source.path.absolute(), *(file.path.absolute() for file in source.files.values())}
+    made_for = _read_setup(srdf, package, source)
+    if made_for is not None:
+        place = _find_place(*made_for, source)
+        return place is None or place not in own
+    # A line that leads to no file says nothing about the robot.
+    loaded = [_find_place(*named, source) for named in _read_planning_context(srdf, package, source)]
+    found = {place for place in loaded if place is not None and source.finder.can_open(place) and place.is_file()}
+    return bool(found) and own.isdisjoint(found)
+
+
+def _find_place(package: str, path: str, source: Source) -> Path | None:
+    """Return a path in a package, which may be the model's own; None if the package is not found."""
+    is_own = source.package is not None and source.package.name == package
+    folder = source.package.path if is_own and source.package is not None else source.finder.find(package)
+    return None if folder is None else (folder / path).absolute()
+
+
+def _read_setup(srdf: Srdf, package: Package, source: Source) -> tuple[str, str] | None:
+    """Return the package and the path in it of the file that Setup Assistant made this description for; None if unknown."""
     try:
         settings = read_located_yaml(package.path / SETUP_FILE, source.finder)
     except YamlReadError:
-        return False
+        return None
     inner = None if settings is None else settings.get("moveit_setup_assistant_config")
     # MoveIt 2 writes the keys in small letters.
     urdf, made = (None if inner is None else inner.get(k) or inner.get(k.lower()) for k in ("URDF", "SRDF"))
     if _get_text(made, "relative_path") != srdf.path.absolute().relative_to(package.path).as_posix():
-        return False
+        return None
     name, path = _get_text(urdf, "package"), _get_text(urdf, "relative_path")
-    if not name or not path:
-        return False
-    own = source.package
-    folder = own.path if own is not None and own.name == name else source.finder.find(name)
-    files = [source.path, *(file.path for file in source.files.values())]
-    return folder is None or folder / path not in {file.absolute() for file in files}
+    return (name, path) if name and path else None
+
+
+def _read_planning_context(srdf: Srdf, package: Package, source: Source) -> list[tuple[str, str]]:
+    """Return the packages and the paths in them of the models that the launch file loads that loads this description."""
+    place = package.path / _PLANNING_CONTEXT
+    try:
+        text = read_regular(place).decode("utf-8-sig", "replace") if source.finder.can_open(place) else ""
+    except OSError:
+        return []
+    text = _COMMENT.sub("", text)
+    if f"/{srdf.path.name}" not in text:
+        return []
+    loaded = (tag for tag in _PARAMETER.findall(text) if _DESCRIPTION.search(tag))
+    return [found for tag in loaded for found in _MODEL.findall(tag)]
 
 
 def _get_text(mapping: YamlValue | None, key: str) -> str:

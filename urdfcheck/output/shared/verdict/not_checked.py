@@ -7,7 +7,7 @@ import shlex
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 
-from urdfcheck.core import Finding, ModelInfo, Run
+from urdfcheck.core import Finding, ModelInfo, Run, SkippedCheck
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_argument_option, join_names
 from urdfcheck.output.shared.wording import format_count
@@ -105,16 +105,23 @@ def describe_unused_macros(run: Run) -> str:
     return f"{format_count(count, 'macro file')} {are} used by no checked model and {were} not checked"
 
 
+def list_launched_models(run: Run) -> dict[str, str]:
+    """Return by the id of a launch file why the model that it loads was not checked."""
+    return {skip.model: skip.reason for skip in run.skipped if skip.code == SkippedCheck.LAUNCHED_MODEL}
+
+
 def describe_not_checked(run: Run) -> str:
     """Return all that was not checked, like ``2 of 4 models were not checked``; empty if everything was."""
     models, macros, others = len(run.unchecked_models), len(run.unused_macro_files), _count_other_paths(run)
-    if macros and not models and not others:
+    launched = len(list_launched_models(run))
+    if macros and not models and not others and not launched:
         return describe_unused_macros(run)
+    counts = ((launched, "launched model"), (macros, "macro file"), (others, "other path"))
     parts = [_count_unchecked_models(run)] if models else []
-    parts += [format_count(count, word) for count, word in ((macros, "macro file"), (others, "other path")) if count]
+    parts += [format_count(count, word) for count, word in counts if count]
     if not parts:
         return ""
-    were = "was" if models + macros + others == 1 else "were"
+    were = "was" if models + launched + macros + others == 1 else "were"
     return f"{' and '.join(filter(None, (', '.join(parts[:-1]), parts[-1])))} {were} not checked"
 
 
