@@ -488,7 +488,7 @@ def test_a_com_that_alone_is_off_is_marked(tmp_path: Path) -> None:
     assert finding.location.subject == "link[rod]/inertial/origin"
     assert "Only the COM's x is off, by half of what is drawn along x" in finding.message
     assert finding.fix is not None
-    assert finding.fix.title.startswith("export the COM again")
+    assert finding.fix.title.startswith("compute the COM again")
 
 
 def test_where_no_part_fits_all_are_reported(tmp_path: Path) -> None:
