@@ -462,6 +462,7 @@ def _build_cause_finding(
         edit=fallback if mended is None else mended.words,
         like="" if drawn_twin is None else drawn_twin.name,
         repair="" if mended is None else _describe_repair(model, link, judged, mended),
+        condition="" if mended is None or mended.edits else f", if the numbers of {join_names(judged.twins)} are right",
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         **data,
     )
