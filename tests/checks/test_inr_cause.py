@@ -346,7 +346,7 @@ def test_nothing_is_offered_where_nothing_is_drawn(tmp_path: Path) -> None:
     assert finding.code == "INR003"
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert finding.fix.title.startswith("export the inertia tensor again")
+    assert finding.fix.title.startswith("compute the inertia tensor again")
 
 
 # -- what decides, and what does not ------------------------------------------------------------------------------------

@@ -91,7 +91,7 @@ _LIGHT = 0.2
 # A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
 _MOVED = 1e-3
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
-PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
+PER_LINK_DATA = ("edit", "repair", "condition", "mismatch", "twins", "moments", "expected", "ruled_out")
 # The density (kg/m³) that CAD programs assume for a part without a material, and how far the facets of a mesh are off.
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.

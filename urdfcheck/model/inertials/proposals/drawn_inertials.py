@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
+from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -78,6 +79,21 @@ def describe_possible_inertial(model: Model, link: Link) -> str:
     the drawn part's, if it is known."""
     with_com = describe_drawn_inertial(model, link, with_com=True) if has_com_apart(model, link) else ""
     return with_com or describe_drawn_inertial(model, link)
+
+
+def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> InertialProposal:
+    """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where that is a hull, or a
+    collision shape in place of the part."""
+    drawn = describe_possible_inertial(model, link)
+    if drawn and draws_part(model, link):
+        return InertialProposal(message=message, remedy=f"write {drawn}, or ")
+    return InertialProposal(message=message, comparison=format_comparison(drawn))
+
+
+def draws_part(model: Model, link: Link) -> bool:
+    """Whether what is measured of a link is a closed solid that it shows: not a hull, nor a collision shape in its place."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and drawn.closed and not _is_replaced_by_collision(model, link)
 
 
 def lacks_only_com(model: Model, link: Link) -> bool:

@@ -6,7 +6,7 @@ from urdfcheck.facts.inertials.inertia_tensor import measure_tensor_rounding
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_nearest_tensor, find_repeated_slot
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.proposals.drawn_inertials import describe_possible_inertial, is_drawn_otherwise
+from urdfcheck.model.inertials.proposals.drawn_inertials import is_drawn_otherwise, propose_drawn_inertial
 from urdfcheck.model.inertials.proposals.like_links import propose_like_link
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
@@ -82,8 +82,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         return propose_nearest(declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
     if is_near:
         return propose_nearest(declared, None)
-    drawn = describe_possible_inertial(model, link)
-    return InertialProposal(message=describe_zero_moments(declared), remedy=f"write {drawn}, or " if drawn else "")
+    return propose_drawn_inertial(model, link, describe_zero_moments(declared))
 
 
 def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None:
