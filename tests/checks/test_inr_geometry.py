@@ -123,7 +123,7 @@ def test_one_mistake_that_explains_the_excess_is_named_and_undone(tmp_path: Path
     part = Part(size=(0.3, 0.2, 0.1))
     content = make_arm(replace(part, tensor=1e4 * part.inertia))
     (finding,) = find(tmp_path, content, {"INR005"})
-    assert finding.message.endswith("One mistake explains it: unit of the tensor: kg·cm²")
+    assert finding.message.endswith("It fits one mistake: unit of the tensor: kg·cm²")
     assert finding.fix is not None
     assert find(tmp_path, edited(content, finding.fix.edits), CODES) == []
     # The rule about causes speaks first.
