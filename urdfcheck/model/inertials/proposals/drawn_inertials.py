@@ -134,10 +134,20 @@ def compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
 def is_drawn_otherwise(model: Model, declared: DeclaredTensor) -> bool:
     """Whether a link draws a solid whose tensor is more than a unit in the last place from the typed digits: more digits are not
     what is missing."""
+    return _is_drawn_and_rounded(model, declared) is False
+
+
+def is_drawn_and_rounded(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a link draws a solid whose tensor is that of the typed digits, to a unit in the last place."""
+    return _is_drawn_and_rounded(model, declared) is True
+
+
+def _is_drawn_and_rounded(model: Model, declared: DeclaredTensor) -> bool | None:
+    """Whether the typed digits are those of the tensor of a solid that a link draws; None where it draws none."""
     geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
     if geometry is None or not geometry.closed or drawn is None:
-        return False
-    return not is_rounding_of(declared.tensor, drawn, slack=_LAST_PLACE)
+        return None
+    return is_rounding_of(declared.tensor, drawn, slack=_LAST_PLACE)
 
 
 def _list_changed(change: InertialRepair) -> list[str]:
