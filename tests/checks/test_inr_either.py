@@ -61,7 +61,7 @@ def test_a_moment_of_a_box_that_repeats_another_is_named(
     text = robot(properties, link("base"), link("arm", arm), turning, xacro=True)
     (finding,) = find(tmp_path, text, {"INR003"}, name="robot.urdf.xacro")
     assert finding.fix is not None
-    assert finding.fix.title.startswith(repair or "export the inertia tensor again")
+    assert finding.fix.title.startswith(repair or "compute the inertia tensor again")
     assert not finding.fix.edits
 
 

@@ -123,7 +123,7 @@ def test_one_mistake_that_explains_the_excess_is_named_and_undone(tmp_path: Path
     part = Part(size=(0.3, 0.2, 0.1))
     content = make_arm(replace(part, tensor=1e4 * part.inertia))
     (finding,) = find(tmp_path, content, {"INR005"})
-    assert finding.message.endswith("One mistake explains it: unit of the tensor: kg·cm²")
+    assert finding.message.endswith("It fits one mistake: unit of the tensor: kg·cm²")
     assert finding.fix is not None
     assert find(tmp_path, edited(content, finding.fix.edits), CODES) == []
     # The rule about causes speaks first.
@@ -488,7 +488,7 @@ def test_a_com_that_alone_is_off_is_marked(tmp_path: Path) -> None:
     assert finding.location.subject == "link[rod]/inertial/origin"
     assert "Only the COM's x is off, by half of what is drawn along x" in finding.message
     assert finding.fix is not None
-    assert finding.fix.title.startswith("export the COM again")
+    assert finding.fix.title.startswith("compute the COM again")
 
 
 def test_where_no_part_fits_all_are_reported(tmp_path: Path) -> None:

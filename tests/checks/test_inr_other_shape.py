@@ -50,6 +50,16 @@ def test_a_collision_shape_rotated_like_the_tensor_has_the_same_mistake(tmp_path
     assert finding.cause.id == "axes_permuted"
 
 
+def test_what_is_drawn_may_be_turned_and_not_the_tensor(tmp_path: Path) -> None:
+    # No exchange of axes gives exactly the numbers of this plate.
+    moments = (8.0 / 12.0 * (0.2**2 + 0.4**2), 8.16 / 12.0 * (0.1**2 + 0.4**2), 8.16 / 12.0 * (0.1**2 + 0.2**2))
+    numbers = inertial(8, ixx=moments[0], iyy=moments[1], izz=moments[2])
+    (finding,) = find(tmp_path, arm_on_base(numbers, visual(box("0.4 0.2 0.1"))), {"INR009"})
+    assert finding.message_id == "named"
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("or correct the <origin> of the shapes if RViz shows them out of place")
+
+
 @pytest.mark.parametrize(("density", "cause"), [(1000.0, "other_mass"), (1003.0, "other_mass"), (2700.0, "mass_unit")])
 def test_a_pound_is_no_cause_at_the_default_density(density: float, cause: str) -> None:
     drawn = geometry(CASTING)

@@ -107,8 +107,9 @@ def test_a_tensor_that_is_far_off_is_advice(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, write_tensor(["0.0100", "0", "0", "0.0200", "0", "0.0330"]))
     assert finding.fix is not None
     assert finding.fix.edits == ()
-    assert finding.fix.title.startswith('write ixx="')
-    assert "the nearest possible tensor (4.5 % off)" in finding.fix.title
+    assert finding.fix.title.startswith("compute the inertia tensor again")
+    assert 'the nearest possible one is ixx="' in finding.fix.title
+    assert "(4.5 % off)" in finding.fix.title
 
 
 @settings(max_examples=15)

@@ -21,6 +21,12 @@ REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger 
 LIGHT = "loads it without mass"
 NAN = "computes NaN accelerations: the joint moves no mass (Drake stops with an error)"
 
+# What to do about a frame that moves: one between two joints, or the last of its chain.
+_JOINING = (
+    "add an <inertial>; if the link only joins two joints, use small values compared with its neighbours', not zero"
+)
+_LAST = "make its joint fixed if it need not move; otherwise add an <inertial> small compared with its neighbours'"
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     moving = [body for body in list_rigid_bodies(model) if body.is_movable]
@@ -78,6 +84,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joint=joint.name,
             lost=f"the link and the {format_count(behind, 'link')} behind it" if behind else "the link",
             behind=behind,
+            repair=_JOINING if behind else _LAST,
         )
 
 

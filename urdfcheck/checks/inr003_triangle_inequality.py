@@ -87,12 +87,12 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
                 remedy=f"{formula}, or ",
                 claim="inertia breaks the triangle inequality",
                 reason=f"by {data['percent']:.3g} %",
-                **data | {"slips": ""},
+                **data | {"slips": "", "comparison": ""},
             )
             continue
         repair = propose_repair(model, declared.link)
         is_filled = repair.cause == "products_filled"
-        data |= {"slips": ""} if repair.is_located else {}
+        data |= {"slips": ""} if repair.is_located or repair.cause else {}
         yield rule.finding(
             message,
             at=declared.element,
@@ -100,6 +100,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             edits=repair.edits,
             found=repair.message,
             remedy=repair.remedy,
+            comparison=repair.comparison,
             detail=repair.detail,
             claim="impossible inertia" if is_filled else "inertia breaks the triangle inequality",
             reason=repair.detail if is_filled else f"by {data['percent']:.3g} %",
@@ -140,6 +141,7 @@ def _build_rounded_finding(
             consequences=consequences,
             found=repair.message,
             remedy=repair.remedy,
+            comparison=repair.comparison,
             times=repair.oversize,
             **data,
         )
@@ -152,6 +154,7 @@ def _build_rounded_finding(
             consequences=consequences,
             drawn=join_numbers(thicker, digits=3),
             remedy=repair.remedy,
+            comparison=repair.comparison,
             **data,
         )
     return rule.finding(

@@ -37,6 +37,7 @@ _FORMULAS = {
     "line": "write the third moment too: ½·m·r² for a bar of mass m and radius r",
     "point": "write the inertia tensor: 0.4·m·r² on the diagonal for a ball of mass m and radius r",
 }
+_BY_SHAPE = "compute the tensor from the shape of the part and its mass"
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 
 
@@ -149,6 +150,7 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
         fused=wrong.fused,
         found=repair.message,
         remedy=repair.remedy,
+        comparison=repair.comparison,
         detail=repair.detail,
         names=", ".join(f"{TENSOR_NAMES[i]} = {components[i]:g}" for i in entries),
         values=" ".join(f'{TENSOR_NAMES[i]}="{abs(components[i]):g}"' for i in entries),
@@ -193,6 +195,7 @@ def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -
         fused=wrong.fused,
         found=repair.message,
         remedy=repair.remedy,
+        comparison=repair.comparison,
         detail=repair.detail,
         smallest=wrong.smallest,
     )
@@ -292,7 +295,11 @@ def _collect_remedy(
 ) -> dict[str, Any]:
     """Collect what to write: the drawn part's numbers where they are known, for it need not be a bar or a ball. The formulas
     of these are for links that draw nothing."""
-    from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial
+    from urdfcheck.model.inertials.proposals.drawn_inertials import (
+        describe_drawn_inertial,
+        draws_part,
+        format_comparison,
+    )
 
     remedy = _FORMULAS[message]
     unknown = {describe_unknown_mass(declared.inertial.mass or 0.0) for declared in links}
@@ -300,14 +307,16 @@ def _collect_remedy(
         remedy = f"{unknown.pop()}, and the tensor"
     elif placeholder is not None:
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
-    elif drawn := describe_drawn_inertial(model, links[0].link):
+    elif (drawn := describe_drawn_inertial(model, links[0].link)) and not draws_part(model, links[0].link):
+        remedy = _BY_SHAPE + (format_comparison(drawn) if len(links) == 1 else "")
+    elif drawn:
         remedy = (
             f"write {drawn}"
             if len(links) == 1
             else f"{links[0].link.name}: write {drawn}; each of the others has its own repair"
         )
     elif any(has_drawn_shape(declared.link) for declared in links):  # a part of some shape: no bar, no ball
-        remedy = "compute the tensor from the shape of the part and its mass"
+        remedy = _BY_SHAPE
     return {"found": placeholder or "", "remedy": remedy}
 
 

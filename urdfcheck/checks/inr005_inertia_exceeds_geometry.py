@@ -51,6 +51,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
+from urdfcheck.model.inertials.stated_purposes import has_stated_purpose
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
@@ -115,7 +116,9 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
             continue
-        if (excess < VAST and is_stand_in(part)) or has_unknown_mass(model, part.link, part.mass, declared.tensor):
+        if excess < VAST and (is_stand_in(part) or has_stated_purpose(model, part.link)):
+            continue
+        if has_unknown_mass(model, part.link, part.mass, declared.tensor):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(
@@ -220,7 +223,7 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
         if diagnosed.diagnosis.cause == "com_missing" and lacks_only_com(model, part.link):
             return _Advice(undo, f"write {undo.words}, or ", explained=_LACKS_COM)
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
-        explained = f". One mistake explains it: {mistake}"
+        explained = f". It fits one mistake: {mistake}"
         return _Advice(undo, f"write {undo.words} if that is the mistake, or ", explained=explained)
     is_known = has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1
     drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""

@@ -22,6 +22,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     enclosed_inertials,
     is_stand_in,
 )
+from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
@@ -85,7 +86,7 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             percent=float(f"{100.0 * distance / length:.2g}"),
             around=part.geometry_phrase,
             axis=None if sign is None else sign.axis,
-            edit=None if sign is None else sign.repair.text,
+            edit=None if sign is None else f"{sign.repair.text}{sign.repair.where}",
             advice="" if sign is None else sign.advice,
             evidence=other_frame,
             root=model.tree.root if is_of_root else "",
@@ -111,7 +112,9 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
             is_enough = not measure_turn_of_tensor(wanted, drawn.solid)
             fits = _has_drawn_products(wanted, compute_solid_inertia(drawn.solid, part.mass), i)
             advice = "" if fits else ", and check the products of inertia, whose signs change with it"
-            repairs.append(_SignRepair(axis, repair if is_enough else replace(repair, edits=()), advice))
+            where = describe_own_call(model, part.link, repair)  # the same text is right for other links
+            edits = repair.edits if is_enough and not where else ()
+            repairs.append(_SignRepair(axis, replace(repair, edits=edits, where=where), advice))
     return repairs[0] if len(repairs) == 1 else None
 
 

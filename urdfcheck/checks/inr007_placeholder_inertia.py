@@ -19,6 +19,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_roun
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
+from urdfcheck.model.inertials.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
@@ -78,11 +79,12 @@ class _PlaceholderInertial:
 def check(
     model: Model, rule: Rule, *, factor: float, estimate: float, fraction: float, spread: float
 ) -> Iterator[Finding]:
-    groups: dict[tuple[object, ...], list[_PlaceholderInertial]] = {}
+    groups: dict[tuple[object, object, bool], list[_PlaceholderInertial]] = {}
     for suspect in _iter_placeholders(model, factor):
         span = suspect.declared.inertial.location.span
-        groups.setdefault((suspect.declared.components, span and span.file), []).append(suspect)
-    for group in groups.values():
+        is_chosen = has_stated_purpose(model, suspect.declared.link)
+        groups.setdefault((suspect.declared.components, span and span.file, is_chosen), []).append(suspect)
+    for (_, _, is_chosen), group in groups.items():
         wrong = any(suspect.factor > factor for suspect in group)
         unknown = [suspect for suspect in group if suspect.misfit is None]
         if wrong or _count_masses(unknown) >= _FEWEST_MASSES:
@@ -90,7 +92,14 @@ def check(
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
             fits_some = any(suspect.factor <= factor for suspect in known)
             alike = _count_masses(group) < _FEWEST_MASSES and (fits_some or not wrong)
-            yield _build_tensor_finding(model, rule, known=known, unknown=[] if alike else unknown, estimate=estimate)
+            yield _build_tensor_finding(
+                model,
+                rule,
+                known=known,
+                unknown=[] if alike else unknown,
+                estimate=estimate,
+                is_chosen=is_chosen,
+            )
     yield from _check_equal_masses(model, rule, fraction=fraction, spread=spread)
 
 
@@ -196,8 +205,9 @@ def _build_tensor_finding(
     known: Sequence[_PlaceholderInertial],
     unknown: Sequence[_PlaceholderInertial],
     estimate: float,
+    is_chosen: bool,
 ) -> Finding:
-    """Report together all links that were given one tensor."""
+    """Report together all links that were given one tensor; ``is_chosen``: a comment beside each says why."""
     every = [*known, *unknown]
     # A base that is bolted down, or a cart on it, is no example where a link that turns is one.
     moving = [
@@ -224,14 +234,16 @@ def _build_tensor_finding(
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
+        kinds = {"bolted": is_bolted, "chosen": is_chosen, "estimate": is_estimate, "placeholder": is_felt}
+        message = next((kind for kind, fits in kinds.items() if fits), "rod")
         finding = rule.finding(
-            "bolted" if is_bolted else "estimate" if is_estimate else "placeholder" if is_felt else "rod",
+            message,
             at=places[0],
             related=places[1:],
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
-            severity=Severity.INFO if is_bolted or is_estimate else _judge_severity(model, known),
+            severity=Severity.INFO if is_bolted or is_chosen or is_estimate else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),

@@ -91,7 +91,7 @@ _LIGHT = 0.2
 # A COM that moves that of its body by less (m) is within what `PLACE` allows for a measurement by hand.
 _MOVED = 1e-3
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
-PER_LINK_DATA = ("edit", "mismatch", "twins", "moments", "expected", "ruled_out")
+PER_LINK_DATA = ("edit", "repair", "condition", "mismatch", "twins", "moments", "expected", "ruled_out")
 # The density (kg/m³) that CAD programs assume for a part without a material, and how far the facets of a mesh are off.
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
@@ -109,6 +109,10 @@ _OUTSIDE = 0.1
 _FAR_SMALLER = 0.2
 # Moments of bodies whose densities differ are those of uniform ones within this factor (chosen).
 _OWN_SUM = 2.0
+# Mistakes of place and direction: the numbers may be right, and what is drawn be out of place.
+_OF_PLACE = frozenset({"axes_permuted", "quarter_turn", "unmirrored", "mesh_frame"})
+# A tensor that stays farther off than this share of the drawn part's (chosen) is not that of the part.
+_NEAR = 0.25
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
 _MISFITS = ("other link does not fit its drawing", "other links do not fit their drawings")
 
@@ -184,8 +188,8 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
     if has_unknown_mass(model, tensor.link, judged.declared.mass, judged.declared.tensor):
         return True
     moments = {tensor.texts[place] for place in (0, 3, 5)}
-    if cause == "rounded" and len(moments) == 1 and "e" in moments.pop().lower():
-        return True  # one small number with an exponent, not decimals that were lost
+    if cause == "rounded" and len(moments) == 1:
+        return True  # one small number for all three was typed: no decimals were lost
     if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
         return True
     if _draws_other_link(model, tensor.link, judged):
@@ -301,9 +305,9 @@ def _build_axes_finding(model: Model, rule: Rule, name: str, rotated: Mapping[st
     return rule.finding(
         "axes",
         at=tensor.element,
-        edit=f"write {drawn}, or export the tensor again in the axes of the link"
+        edit=f"write {drawn}, or compute the tensor again in the axes of the link"
         if drawn
-        else "export the tensor again",
+        else "compute the tensor again, in the axes of the link",
         percent=float(f"{100.0 * rotated[name]:.2g}"),
         others=f". The tensors of {join_names(others)} are about other axes, too" if others else "",
         **collect_message_data(model, tensor.link, diagnoses[name]),
@@ -349,7 +353,8 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     complete = [repair for repair in repairs if repair is not None and repair.edits]
     cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
     has_vast = any(is_vast(model, link, one) for link, one in zip(links, judged, strict=True))
-    is_certain = len(complete) == len(links) and all(is_proven(model, link) for link in links)
+    has_proof = all(is_proven(model, link) for link in links)
+    is_certain = len(complete) == len(links) and has_proof
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if is_certain else {}
     unseen = _count_unseen_links(model, links)
     others = 0 if unseen or cause not in _CAD_MISTAKES else _count_other_misfits(model, links)
@@ -366,7 +371,8 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         first=links[0].name,
         count=len(links),
         known=len(diagnoses),
-        faulty=name_faulty_numbers(cause, detail),
+        faulty=f"{'wrong' if has_proof else 'suspect'} {name_faulty_numbers(cause, detail)}",
+        doubt="" if has_proof else "?",
         why=SHORT_CAUSES.get(cause, name_mistake(cause)).format(detail=detail),
         **collect_cause_data(cause, detail),
         before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
@@ -378,7 +384,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         else f". {format_count(others, *_MISFITS)} either, and may have it too"
         if others
         else "",
-        each="" if unseen or others else f", or each of the {len(links)} links",
+        each="" if unseen or others else f", or correct each of the {len(links)} links",
     )
 
 
@@ -455,16 +461,30 @@ def _build_cause_finding(
         severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
         edit=fallback if mended is None else mended.words,
         like="" if drawn_twin is None else drawn_twin.name,
-        otherwise="the mass of the comment if the part weighs that much"
-        if diagnosis.detail.endswith(COMMENTED)
-        else "export the inertial again if that is not the mistake",
+        repair="" if mended is None else _describe_repair(model, link, judged, mended),
+        condition="" if mended is None or mended.edits else f", if the numbers of {join_names(judged.twins)} are right",
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         **data,
     )
 
 
+def _describe_repair(model: Model, link: Link, judged: DiagnosedInertial, mended: InertialRepair) -> str:
+    """Say how to undo a mistake that is not certain, and what to do if it is another one."""
+    diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, link)
+    if diagnosis.detail.endswith(COMMENTED):
+        return f"write {mended.words}, or the mass of the comment if the part weighs that much"
+    if diagnosis.cause in _OF_PLACE:
+        return f"write {mended.words}, or correct the <origin> of the shapes if RViz shows them out of place"
+    is_near = drawn is None or diagnosis.mended is None or measure_difference(diagnosis.mended, drawn) < _NEAR
+    if mended.edits or is_near:
+        return f"write {mended.words}, or compute the inertial again if that is not the mistake"
+    return f"compute the inertial again, or write {mended.words} if that is the mistake"
+
+
 def _describe_drawn_com(model: Model, link: Link, mended: InertialRepair | None) -> str:
     """Return the end of the advice about a COM that was not filled in: the drawn part's, with its tensor if that differs too."""
+    if explain_collision_stand_in(model, link) in {"unread", "wrong size"}:
+        return ""  # the collision shape may be left from another part
     if mended is not None and not any(f"{name}=" in mended.text for name in TENSOR_NAMES):
         return f"; {describe_geometry_source(model, link)} alone has {mended.words}"
     return format_comparison(describe_drawn_inertial(model, link, with_com=True))
@@ -527,7 +547,7 @@ def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial,
     return rule.finding(
         "disagrees",
         at=wrong[0] if wrong else tensor.element,
-        repair=f"correct the {name} where the file computes it" if is_computed else f"export the {name} again",
+        repair=f"correct the {name} where the file computes it" if is_computed else f"compute the {name} again",
         severity=rank[0],
         confidence=rank[1],
         comparison=format_comparison(drawn),

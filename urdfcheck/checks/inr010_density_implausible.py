@@ -19,6 +19,7 @@ from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.stated_purposes import has_stated_purpose
 from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
@@ -39,6 +40,7 @@ _GRAMS = 3
 _ROOM = 2.0
 # The volume in cubic metres to that of a mesh in millimetres that is loaded without a scale.
 _MILLIMETRES = 1e9
+_MILLIMETRE_MESH = "give the mesh the scale of its unit: drawn a thousandth as large, it fits the mass"
 # A mass of so few significant digits was chosen, not computed.
 _TYPED_DIGITS = 2
 
@@ -102,7 +104,7 @@ def _find_excess_density(model: Model, part: EnclosedInertial, *, margin: float)
     is_typed = float(f"{part.mass:.{_TYPED_DIGITS}g}") == part.mass
     if slip["cause"] is None and is_typed and is_ballast(model, model.pieces.list_body_links(part.link.name)):
         return None
-    if slip["cause"] is None and _is_token_drawing(model, part):
+    if slip["cause"] is None and (_is_token_drawing(model, part) or has_stated_purpose(model, part.link)):
         return None
     return _ExcessDensity(part, volume, slip)
 
@@ -139,7 +141,7 @@ def _describe_repair(
     unknown = describe_unknown_mass(mass)
     if unknown:
         return unknown
-    has_mesh = any(shape.kind == "mesh" for link in links for shape in (*link.visuals, *link.collisions))
+    has_mesh = _has_mesh(links)
     first = "write the mass in kilograms" if is_in_unit else "correct the mass"
     if is_drawn and not is_in_unit:
         drawn = "the scale of the mesh" if has_mesh else "the size of what is drawn"
@@ -148,8 +150,14 @@ def _describe_repair(
             f"if the mass is right, correct {drawn}, and the tensor with it"
         )
     size = "give the mesh the scale of its unit" if has_mesh else "correct the size of what is drawn"
+    if is_light:  # the drawing is more often wrong than a mass that is all right for a smaller part
+        return f"{first}, or {size}" if is_in_unit else f"{size} if it is drawn too large; otherwise {first}"
     # Parts that are not drawn explain a mass that is too great, not one that is too small.
-    return f"{first}, or {size}" if is_light or is_in_unit else f"{first}, {size}, or draw the parts that are missing"
+    return f"{first}, or {size}" if is_in_unit else f"{first}, {size}, or draw the parts that are missing"
+
+
+def _has_mesh(links: Sequence[Link]) -> bool:
+    return any(shape.kind == "mesh" for link in links for shape in (*link.visuals, *link.collisions))
 
 
 def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
@@ -233,7 +241,9 @@ def _check_too_light(
         sheet=float(f"{mass / area * 1e3:.2g}"),
         around="" if len(links) == 1 else " (with the links fixed to it that have a mass)",
         density=describe_density(mass / volume),
-        repair=_describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit", is_light=True),
+        repair=_MILLIMETRE_MESH
+        if _has_mesh(links) and slip["cause"] is None and is_part_density(mass / volume * _MILLIMETRES)
+        else _describe_repair(links, heaviest.mass, is_in_unit=slip["cause"] == "unit", is_light=True),
         **slip,
     )
 

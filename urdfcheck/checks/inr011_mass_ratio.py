@@ -10,6 +10,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.inertials.stated_purposes import has_stated_purpose
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 
@@ -40,7 +41,9 @@ class _JointMasses:
 
 
 def check(model: Model, rule: Rule, *, light: float, heavy: float, absurd: float) -> Iterator[Finding]:
-    pairs = [pair for pair in _collect_joint_masses(model) if not _has_no_mass(model, pair)]
+    pairs = [
+        pair for pair in _collect_joint_masses(model) if not (_has_no_mass(model, pair) or _is_chosen(model, pair))
+    ]
     root = frozenset(model.tree.list_body_links(model.tree.root))
     # The slack keeps 1/1000 itself, which has no exact double, from being below 1/1000.
     most = light * (1 - 1e-9)
@@ -86,6 +89,13 @@ def _has_no_mass(model: Model, pair: _JointMasses) -> bool:
     """Whether a body beside the joint weighs next to nothing and moves: then that is the mistake."""
     moves = model.tree.list_body_links(pair.joint.parent)[0] in model.tree.parent_joint
     return pair.child_mass <= _NO_MASS or (moves and pair.parent_mass <= _NO_MASS)
+
+
+def _is_chosen(model: Model, pair: _JointMasses) -> bool:
+    """Whether a comment gives a reason for the masses of the lighter body beside the joint."""
+    lighter = pair.joint.child if pair.ratio < 1.0 else pair.joint.parent
+    weighed = [name for name in model.tree.list_body_links(lighter) if name in model.mass_by_name]
+    return any(has_stated_purpose(model, model.link_by_name[name]) for name in weighed)
 
 
 def _is_small_part(model: Model, pair: _JointMasses) -> bool:

@@ -16,7 +16,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     compute_triangle_excess,
 )
-from urdfcheck.facts.inertials.materials import is_part_density
+from urdfcheck.facts.inertials.materials import guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Link, Model
@@ -46,13 +46,14 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
         data: dict[str, Any] = {"link": heaviest.link.name, "mass": total, "smallest": smallest, "largest": largest}
         consequences = {"mujoco": _predict_mujoco(model, body, mass=total, smallest=smallest)}
         if total <= mass:
-            cause = None if is_round(heaviest.mass) else "unit"  # no conversion leaves a round number
+            unit = _guess_unit(model, heaviest.link, heaviest.mass)
             yield rule.finding(
                 "mass",
                 at=heaviest.attribute,
-                cause=cause,
+                cause="unit" if unit else None,
+                unit=unit,
                 consequences=consequences,
-                repair=describe_unknown_mass(heaviest.mass) or "write the mass in kilograms",
+                repair=describe_unknown_mass(heaviest.mass) or "write the mass of the part, in kilograms",
                 **data,
             )
         elif not (largest > 0 and smallest > 1e-9 * largest and compute_triangle_excess(tensor) >= -1e-9):
@@ -65,6 +66,18 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
             yield rule.finding(
                 "condition", at=declared_tensor, consequences=consequences, ratio=smallest / largest, **data
             )
+
+
+def _guess_unit(model: Model, link: Link, mass: float) -> str:
+    """Return the unit in which a ``mass`` is that of what the link draws; empty where none is, or several are."""
+    from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+
+    drawn = measure_link_geometry(model, link)
+    if is_round(mass) or drawn is None or not drawn.closed or not drawn.solid.volume > 0.0:
+        return ""  # no conversion leaves a round number
+    density = mass / drawn.solid.volume
+    unit = None if is_part_density(density) else guess_mass_unit(density)
+    return "" if unit is None else unit[0]
 
 
 def _explain_point(model: Model, body: RigidLinkGroup, link: Link) -> dict[str, Any]:

@@ -15,6 +15,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.simulation_use import is_made_for_display
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0
@@ -29,6 +30,7 @@ _FEWEST_LINKS, _MANY_DIGITS = 4, 6
 _SPAN = 1e5
 # A density is 1 kg/m³ within this share, which rounding of masses leaves.
 _UNIT_DENSITY = 0.01
+_IN_KILOGRAMS, _CORRECTED = "write the robot's masses in kilograms", "correct the robot's masses"
 # Kilograms per tonne.
 _TONNE = 1000.0
 
@@ -48,7 +50,7 @@ def check(
     if total > DENSEST * edge**3 and (is_seen or total > most):
         yield _build_density_finding(model, rule, total=total, edge=edge)
     elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
-        if not _has_frames_only(model):
+        if not (_has_frames_only(model) or is_made_for_display(model)):
             yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):
         yield _build_same_finding(model, rule, total=total)
@@ -64,6 +66,7 @@ def check(
             message,
             at=model.name_location,
             cause=cause,
+            repair=_IN_KILOGRAMS if cause else _CORRECTED,
             robot=model.name,
             total=total,
             links=len(masses),
@@ -121,10 +124,12 @@ def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: floa
     declared = [one for one in model.masses if one.mass > 0]
     heaviest, most = max(declared, key=lambda one: one.mass), DENSEST * edge**3
     is_one = len(declared) > 1 and heaviest.mass > most and total - heaviest.mass < _OTHERS * most
+    cause = None if is_one else _name_unit([one.mass for one in declared], "grams")
     return rule.finding(
         "dense_link" if is_one else "dense",
         at=heaviest.attribute if is_one else model.name_location,
-        cause=None if is_one else _name_unit([one.mass for one in declared], "grams"),
+        cause=cause,
+        repair=_IN_KILOGRAMS if cause else f"{_CORRECTED}, or the size of what is drawn",
         severity=Severity.ERROR,
         robot=model.name,
         link=heaviest.link.name,

@@ -41,6 +41,8 @@ _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 # The names of model files, as launch files and scripts name them.
 _MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
+# A model of MuJoCo's own, as launch files and scripts name it.
+_SCENE = re.compile(r"(?<![\w-])(?!package\.)[\w-]+\.xml\b")
 _REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
 
 
@@ -60,13 +62,24 @@ def is_simulated(model: Model) -> bool:
 
 @fact
 def is_started_in_simulator(model: Model) -> bool:
-    """Whether the robot has elements for a simulator, or one of these files names a simulator and the robot's own file.
+    """Whether the robot has elements for a simulator, or one of these files names a simulator, the robot's own file and no other
+    model: of two, one may be for display.
 
     Where the folder of that is typed before its name, it must be the robot's too.
     """
     path = model.source.path.absolute()
     own = re.compile(rf"(?<![\w.-])(?:{re.escape(path.parent.name)}/|(?<![\w.-]/)){re.escape(path.name)}(?![\w.-])")
-    return _has_elements(model) or any(_SIMULATOR.search(t) and own.search(t) for t in _list_project_texts(model))
+    return _has_elements(model) or any(
+        _SIMULATOR.search(text) and own.search(text) and not _names_other_model(text, path.name)
+        for text in _list_project_texts(model)
+    )
+
+
+def _names_other_model(text: str, own: str) -> bool:
+    """Whether a text names another model file, or one of MuJoCo's own format beside MuJoCo."""
+    if any(name != own for name in _MODEL_FILE.findall(text)):
+        return True
+    return "mujoco" in text.lower() and _SCENE.search(text) is not None
 
 
 def is_modelled_for_mujoco(model: Model) -> bool:

@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
+from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
@@ -80,6 +81,21 @@ def describe_possible_inertial(model: Model, link: Link) -> str:
     return with_com or describe_drawn_inertial(model, link)
 
 
+def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> InertialProposal:
+    """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where that is a hull, or a
+    collision shape in place of the part."""
+    drawn = describe_possible_inertial(model, link)
+    if drawn and draws_part(model, link):
+        return InertialProposal(message=message, remedy=f"write {drawn}, or ")
+    return InertialProposal(message=message, comparison=format_comparison(drawn))
+
+
+def draws_part(model: Model, link: Link) -> bool:
+    """Whether what is measured of a link is a closed solid that it shows: not a hull, nor a collision shape in its place."""
+    drawn = measure_link_geometry(model, link)
+    return drawn is not None and drawn.closed and not _is_replaced_by_collision(model, link)
+
+
 def lacks_only_com(model: Model, link: Link) -> bool:
     """Whether a tensor is that of what the link draws at its mass, and the COM was left at zero, where that part's is not."""
     change = _compute_from_geometry(model, link, with_com=True)
@@ -118,10 +134,20 @@ def compute_drawn_tensor(model: Model, declared: DeclaredTensor) -> Mat3 | None:
 def is_drawn_otherwise(model: Model, declared: DeclaredTensor) -> bool:
     """Whether a link draws a solid whose tensor is more than a unit in the last place from the typed digits: more digits are not
     what is missing."""
+    return _is_drawn_and_rounded(model, declared) is False
+
+
+def is_drawn_and_rounded(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether a link draws a solid whose tensor is that of the typed digits, to a unit in the last place."""
+    return _is_drawn_and_rounded(model, declared) is True
+
+
+def _is_drawn_and_rounded(model: Model, declared: DeclaredTensor) -> bool | None:
+    """Whether the typed digits are those of the tensor of a solid that a link draws; None where it draws none."""
     geometry, drawn = measure_link_geometry(model, declared.link), compute_drawn_tensor(model, declared)
     if geometry is None or not geometry.closed or drawn is None:
-        return False
-    return not is_rounding_of(declared.tensor, drawn, slack=_LAST_PLACE)
+        return None
+    return is_rounding_of(declared.tensor, drawn, slack=_LAST_PLACE)
 
 
 def _list_changed(change: InertialRepair) -> list[str]:

@@ -19,6 +19,7 @@ def propose_nearest(declared: DeclaredTensor, cause: str | None, *, digits: int 
     if nearest is None or not nearest.text:
         return InertialProposal()
     edits = nearest.edits if change < (SMALL_EXCESS if cause else _NEGLIGIBLE_CHANGE) else ()
-    words = replace(nearest, edits=edits).words
-    remedy = f"write {words}, the nearest possible tensor ({100 * change:.2g} % off), or better "
-    return InertialProposal(edits, "", remedy, cause=cause)
+    words, off = replace(nearest, edits=edits).words, f"({100 * change:.2g} % off)"
+    if not edits:
+        return InertialProposal(comparison=f"; the nearest possible one is {words} {off}", cause=cause)
+    return InertialProposal(edits, "", f"write {words}, the nearest possible tensor {off}, or better ", cause=cause)

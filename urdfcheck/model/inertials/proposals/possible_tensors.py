@@ -6,7 +6,11 @@ from urdfcheck.facts.inertials.inertia_tensor import measure_tensor_rounding
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_nearest_tensor, find_repeated_slot
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
-from urdfcheck.model.inertials.proposals.drawn_inertials import describe_possible_inertial, is_drawn_otherwise
+from urdfcheck.model.inertials.proposals.drawn_inertials import (
+    is_drawn_and_rounded,
+    is_drawn_otherwise,
+    propose_drawn_inertial,
+)
 from urdfcheck.model.inertials.proposals.like_links import propose_like_link
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
@@ -25,6 +29,8 @@ from urdfcheck.model.robot import Model
 
 # Where the nearest possible tensor changes more, nothing can be learned from the author's numbers.
 _LARGEST_CHANGE = 0.1
+# Where ixy, ixz and iyz are in the six numbers.
+_PRODUCTS = (1, 2, 4)
 # A tensor that was typed with too few digits gets so many more.
 _MORE_DIGITS = 2
 # Causes of INR009 that the pages of INR003 and INR004 have as well, with their ids there.
@@ -79,11 +85,13 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         change < _LARGEST_CHANGE and not is_unlike_drawn(model, declared) and not has_drawn_moment(model, declared)
     )
     if is_rounded and (is_near or not is_drawn_otherwise(model, declared)):
-        return propose_nearest(declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
+        # A product of one digit rounds so many tensors that it shows no cause: it may be in the wrong place.
+        has_products = any(declared.components[i] for i in _PRODUCTS)
+        cause = "digits" if is_near or not has_products or is_drawn_and_rounded(model, declared) else None
+        return propose_nearest(declared, cause, digits=typed.typed_digits + _MORE_DIGITS)
     if is_near:
         return propose_nearest(declared, None)
-    drawn = describe_possible_inertial(model, link)
-    return InertialProposal(message=describe_zero_moments(declared), remedy=f"write {drawn}, or " if drawn else "")
+    return propose_drawn_inertial(model, link, describe_zero_moments(declared))
 
 
 def _propose_diagnosed_undo(model: Model, link: Link) -> InertialProposal | None:

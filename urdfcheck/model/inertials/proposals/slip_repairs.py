@@ -57,7 +57,7 @@ def propose_signs(model: Model, declared: DeclaredTensor) -> InertialProposal | 
         return replace(_propose_slip(link, slip, claim), edits=(), cause=None)
     if slip.residual is None:
         proposal = _propose_slip(link, slip, claim)
-        return replace(proposal, edits=(), remedy=f"compare the signs with the CAD program's: {proposal.remedy}")
+        return replace(proposal, edits=(), remedy=f"compare the signs with those at the source: {proposal.remedy}")
     before, after = (f"{100 * share:.0f} %" for share in slip.residual)
     claim += f", and its products are {after} off the drawn part's instead of {before}"
     proposal = _propose_slip(link, slip, claim)

@@ -30,6 +30,8 @@ class InertialProposal:
     """What a message says about it, starting with its semicolon."""
     remedy: str = ""
     """How the advice begins."""
+    comparison: str = ""
+    """How the advice ends: numbers that are near the right ones at best, starting with a semicolon."""
     cause: str | None = None
     """The id of the cause on the pages of INR003 and INR004, where the numbers show one."""
     detail: str = ""

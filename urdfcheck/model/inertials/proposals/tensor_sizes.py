@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
-from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, describe_possible_inertial
+from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, propose_drawn_inertial
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.robot import Model
@@ -39,14 +40,13 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
     excess = _measure_size_excess(model, declared)
     if not excess > _OTHER_SIZE:
         return None
-    drawn = describe_possible_inertial(model, declared.link)
     times, least = _format_factor(_compare_with_drawn(model, declared)), _format_factor(excess)
     stands_in = explain_collision_stand_in(model, declared.link) in _STANDS_IN
     part = "collision shape" if stands_in else "drawn part"
     claim = (
         f"; for this mass the moments are {times} times the {part}'s, and at least {least} times what its size allows"
     )
-    return InertialProposal(message=claim, remedy=f"write {drawn}, or " if drawn else "", oversize=times)
+    return replace(propose_drawn_inertial(model, declared.link, claim), oversize=times)
 
 
 def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:

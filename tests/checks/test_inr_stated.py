@@ -1,0 +1,77 @@
+"""Numbers of an inertial for which a comment gives a reason, and repairs that say what is known of the mistake only."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import box, find, inertial, joint, link, mesh, robot, visual
+from castings import CASTING, geometry, uniform, write_stl
+
+from urdfcheck.core import Severity
+
+STABLE = "<!-- to stabilize the simulation -->"
+
+
+def make_chain(second: str, *, base: str = "", third: str = "") -> str:
+    parts = [
+        link("base", base or inertial(1, 0.01)),
+        link("part", second),
+        joint("j", "base", "part", kind="continuous"),
+    ]
+    if third:
+        parts += [link("hand", third), joint("k", "part", "hand", kind="continuous")]
+    return robot(*parts)
+
+
+def say(inertial_text: str, comment: str, *, before: bool = False) -> str:
+    return comment + inertial_text if before else inertial_text.replace("</inertial>", f"{comment}</inertial>")
+
+
+@pytest.mark.parametrize("before", [False, True])
+@pytest.mark.parametrize(
+    ("comment", "message"),
+    [
+        (STABLE, "chosen"),
+        ("<!-- MUST be non zero or the link is pruned -->", "chosen"),
+        ("<!-- avoids jitter -->", "chosen"),
+        ("<!-- dummy values -->", "placeholder"),
+        ("<!-- needed for Gazebo -->", "placeholder"),
+        ("", "placeholder"),
+    ],
+)
+def test_a_placeholder_with_a_reason_was_chosen(tmp_path: Path, comment: str, message: str, before: bool) -> None:
+    part = say(inertial(0.014, 0.001), comment, before=before) + visual(box("0.03 0.03 0.03"))
+    (finding,) = find(tmp_path, make_chain(part), "INR007")
+    assert finding.message_id == message
+    assert (finding.severity is Severity.INFO) == (message == "chosen")
+
+
+def test_a_comment_of_another_link_gives_no_reason(tmp_path: Path) -> None:
+    part = inertial(0.014, 0.001) + visual(box("0.03 0.03 0.03"))
+    (finding,) = find(tmp_path, make_chain(part, base=say(inertial(1, 0.01), STABLE)), "INR007")
+    assert finding.message_id == "placeholder"
+
+
+@pytest.mark.parametrize(
+    ("comment", "found"), [("<!-- mass hack, fixes the drift of the odometry -->", False), ("", True)]
+)
+def test_a_mass_with_a_reason_may_be_too_great(tmp_path: Path, comment: str, found: bool) -> None:
+    wheel = say(inertial(10.035, 0.0123, iyy="0.0234"), comment) + visual(box("0.05 0.04 0.04"))
+    assert bool(find(tmp_path, make_chain(wheel), "INR010")) == found
+
+
+@pytest.mark.parametrize(("comment", "found"), [("<!-- Null inertial element -->", False), ("", True)])
+def test_a_carrier_with_a_reason_may_be_light(tmp_path: Path, comment: str, found: bool) -> None:
+    text = make_chain(say(inertial(0.001, 1e-6), comment, before=True), third=inertial(2.9, 0.01))
+    assert bool(find(tmp_path, text, "INR011")) == found
+
+
+def test_a_mesh_in_millimetres_is_what_is_wrong_of_a_light_link(tmp_path: Path) -> None:
+    write_stl(tmp_path / "part.stl", CASTING)
+    numbers = uniform(geometry(CASTING).solid)
+    drawn = visual(mesh("part.stl", scale="1000 1000 1000"))
+    found = find(tmp_path, make_chain(inertial(numbers.mass, 0.001) + drawn), "INR010")
+    assert [finding.message_id for finding in found] == ["light"]
+    assert found[0].fix is not None
+    assert found[0].fix.title.startswith("give the mesh the scale of its unit: drawn a thousandth as large")
