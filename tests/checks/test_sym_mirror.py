@@ -498,8 +498,8 @@ def test_nothing_is_edited_where_nothing_says_which_side_is_wrong(tmp_path: Path
     finding = one(tmp_path, DEFECTS["mass"](ROBOT))
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert finding.fix.title.startswith("correct the wrong one: write ")
-    assert " in right_arm, or write " in finding.fix.title
+    assert finding.fix.title.startswith("if left_arm is right, write ")
+    assert " in right_arm; if right_arm is, write " in finding.fix.title
     assert finding.fix.title.endswith(" in left_arm")
 
 
