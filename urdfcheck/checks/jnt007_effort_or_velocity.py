@@ -10,7 +10,7 @@ from urdfcheck.core.text import format_count, join_names, split_name_words
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.simulation_use import is_simulated_hardware
+from urdfcheck.model.simulation_use import has_bare_joints, is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.xml import Element
 
@@ -88,6 +88,7 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
                 f"{name}-absurd",
                 name,
                 one,
+                severity=Severity.INFO if name == "velocity" else None,
                 largest=_find_largest(one)[name],
                 most=most,
                 followers=_describe_followers(model, name, most),
@@ -177,6 +178,7 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
     # four, and this finding gives way to it.
     is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
+    is_empty = is_empty and not has_bare_joints(model)  # a drawing that moves needs neither
     named = collect_plugin_texts(model) if is_empty else frozenset()
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
