@@ -54,7 +54,8 @@ def test_where_it_is_not_zero_that_counts(tmp_path: Path) -> None:
     assert not find_zero(tmp_path / "a", out, kind="continuous")
     assert not find_zero(tmp_path / "b", out, inner='<mimic joint="k"/>')
     start = (
-        '<ros2_control name="c" type="system"><hardware><plugin>mock_components/GenericSystem</plugin></hardware><joint name="{}"><state_interface name="position">'
+        '<ros2_control name="c" type="system"><hardware><plugin>mock_components/GenericSystem</plugin></hardware>'
+        '<joint name="{}"><state_interface name="position">'
         '<param name="initial_value">1.0</param></state_interface></joint></ros2_control>'
     )
     assert not find_zero(tmp_path / "c", out, more=start.format("j"))
