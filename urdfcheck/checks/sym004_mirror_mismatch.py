@@ -124,6 +124,7 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
             related=mistake.related,
             cause=mistake.cause,
             edits=mistake.edits,
+            severity=Severity.INFO if mistake.is_minor else None,
             **mistake.data,
         )
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set()}
