@@ -267,7 +267,8 @@ def test_a_place_that_is_a_little_off_in_two_coordinates_is_of_another_export(
 
 
 @pytest.mark.parametrize(
-    ("velocities", "severity"), [(("1000", "100"), Severity.INFO), (("10", "1"), Severity.WARNING)]
+    ("velocities", "severity"),
+    [(("1000", "100"), Severity.INFO), (("17453", "3"), Severity.INFO), (("10", "1"), Severity.WARNING)],
 )
 def test_velocities_that_no_joint_reaches_are_placeholders(
     tmp_path: Path, velocities: tuple[str, str], severity: Severity

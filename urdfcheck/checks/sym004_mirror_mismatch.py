@@ -94,6 +94,8 @@ _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal 
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
 # Joints of limbs are slower (rad/s or m/s): chosen.
 _UNREACHED = 100.0
+# No drive turns a joint so fast (rad/s or m/s), as for JNT007.
+_NO_DRIVE = 1e4
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -637,8 +639,11 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
 
 
 def _is_about_placeholders(mismatch: MismatchedLimit) -> bool:
-    """Whether two limits differ only in round velocities that no joint reaches: then neither side says anything."""
+    """Whether two limits differ only in round velocities that no joint reaches: then neither side says anything. Or only one has
+    a velocity that no drive has: that joint follows the other."""
     velocities = [side.get_limit_value("velocity") or 0.0 for side in (mismatch.joint, mismatch.twin)]
+    if min(velocities) < _NO_DRIVE <= max(velocities):
+        return True
     return mismatch.expected.keys() == {"velocity"} and all(v >= _UNREACHED and is_round(v) for v in velocities)
 
 
