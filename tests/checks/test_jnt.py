@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from builders import find, joint, link, robot
+from builders import find, inertial, joint, limit, link, robot
 from conftest import check_text
 
 from urdfcheck.core import Applicability, Severity
@@ -227,6 +227,14 @@ def test_rotors_that_a_plugin_turns_need_no_limits(tmp_path: Path, named: str, m
     findings = find(tmp_path, make_three_links(*rotors, sensor, plugins, links=link("d")), "JNT007")
     (finding,) = (f for f in findings if f.data["joints"] == "j, k")
     assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("body", "message"), [("", "effort-unused"), (inertial(), "both-zero")])
+def test_frames_that_move_without_bodies_need_no_limits(tmp_path: Path, body: str, message: str) -> None:
+    idle = limit(-1, 1, effort=0, velocity=0)
+    joints = joint("j", "a", "b", idle, kind="revolute"), joint("k", "b", "c", idle, kind="revolute")
+    text = robot(link("a"), link("b", body), link("c"), *joints)
+    assert [f.message_id for f in find(tmp_path, text, "JNT007") if "effort" in f.message] == [message]
 
 
 def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> None:
