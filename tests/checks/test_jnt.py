@@ -229,10 +229,13 @@ def test_rotors_that_a_plugin_turns_need_no_limits(tmp_path: Path, named: str, m
     assert finding.message_id == message
 
 
-@pytest.mark.parametrize(("body", "message"), [("", "effort-unused"), (inertial(), "both-zero")])
-def test_frames_that_move_without_bodies_need_no_limits(tmp_path: Path, body: str, message: str) -> None:
+@pytest.mark.parametrize(
+    ("name", "body", "message"),
+    [("j", "", "effort-unused"), ("j", inertial(), "both-zero"), ("rotor_0_joint", inertial(), "effort-unused")],
+)
+def test_frames_without_bodies_and_rotors_need_no_limits(tmp_path: Path, name: str, body: str, message: str) -> None:
     idle = limit(-1, 1, effort=0, velocity=0)
-    joints = joint("j", "a", "b", idle, kind="revolute"), joint("k", "b", "c", idle, kind="revolute")
+    joints = joint(name, "a", "b", idle, kind="revolute"), joint(name + "1", "b", "c", idle, kind="revolute")
     text = robot(link("a"), link("b", body), link("c"), *joints)
     assert [f.message_id for f in find(tmp_path, text, "JNT007") if "effort" in f.message] == [message]
 
