@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
-from builders import find, joint, link, robot
+from builders import find, inertial, joint, limit, link, robot
 from conftest import check_text
 
 from urdfcheck.core import Applicability, Severity
@@ -108,8 +108,10 @@ def test_limits_of_one_sign_may_lack_a_minus_sign(
     assert (finding.fix.title, bool(finding.fix.edits)) == (repair, edited)
 
 
-@pytest.mark.parametrize(("angle", "edited"), [("7", True), ("6.9", False), ("62.5", True)])
-def test_an_angle_little_beyond_a_turn_may_be_in_radians(tmp_path: Path, angle: str, edited: bool) -> None:
+@pytest.mark.parametrize(
+    ("angle", "edited"), [("7", False), ("6.9", False), ("62.5", False), ("95", False), ("30", True)]
+)
+def test_an_angle_that_no_one_chooses_in_degrees_may_be_in_radians(tmp_path: Path, angle: str, edited: bool) -> None:
     origin = f'<origin rpy="0 0 {angle}"/>'
     (finding,) = find(tmp_path, make_three_links(make_joint(origin + LIMIT)), "JNT012")
     assert finding.fix is not None
@@ -227,6 +229,17 @@ def test_rotors_that_a_plugin_turns_need_no_limits(tmp_path: Path, named: str, m
     assert finding.message_id == message
 
 
+@pytest.mark.parametrize(
+    ("name", "body", "message"),
+    [("j", "", "effort-unused"), ("j", inertial(), "both-zero"), ("rotor_0_joint", inertial(), "effort-unused")],
+)
+def test_frames_without_bodies_and_rotors_need_no_limits(tmp_path: Path, name: str, body: str, message: str) -> None:
+    idle = limit(-1, 1, effort=0, velocity=0)
+    joints = joint(name, "a", "b", idle, kind="revolute"), joint(name + "1", "b", "c", idle, kind="revolute")
+    text = robot(link("a"), link("b", body), link("c"), *joints)
+    assert [f.message_id for f in find(tmp_path, text, "JNT007") if "effort" in f.message] == [message]
+
+
 def test_a_rocker_without_effort_and_velocity_has_no_motor(tmp_path: Path) -> None:
     rocker = make_joint('<limit lower="-1" upper="1" effort="0" velocity="0"/>')
     driven = make_joint(LIMIT, name="k", child="c")
@@ -329,7 +342,7 @@ def test_zero_effort_matters_to_gazebo(tmp_path: Path, targets: tuple[str, ...],
 def test_an_empty_limit_is_one_defect(tmp_path: Path, limit: str, kind: str, found: list[str]) -> None:
     run = check_text(tmp_path, make_three_links(make_joint(f"<limit {limit}/>", kind)), codes={"JNT005", "JNT007"})
     assert sorted(f"{f.code} {f.message_id}" for f in run.findings) == found
-    idle = {"effort-unused", "velocity-zero"}
+    idle = {"effort-unused", "velocity-zero", "velocity-absurd"}
     assert all((f.severity == Severity.INFO) == (f.message_id in idle) for f in run.findings)
     if found == ["JNT005 equal"]:
         assert run.findings[0].message.endswith(". Effort and velocity are 0 too") == ('effort="0"' in limit)

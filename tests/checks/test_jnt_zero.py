@@ -19,6 +19,9 @@ ARM = (
 )
 
 
+CONTROLLED = '<gazebo><plugin name="control" filename="libgazebo_ros_control.so"/></gazebo>'
+
+
 def find_zero(folder: Path, limit: str, kind: str = "revolute", inner: str = "", more: str = "") -> list[Finding]:
     return find(folder, ARM.format(limit=limit, kind=kind, inner=inner, more=more), "JNT019")
 
@@ -51,7 +54,8 @@ def test_where_it_is_not_zero_that_counts(tmp_path: Path) -> None:
     assert not find_zero(tmp_path / "a", out, kind="continuous")
     assert not find_zero(tmp_path / "b", out, inner='<mimic joint="k"/>')
     start = (
-        '<ros2_control name="c" type="system"><joint name="{}"><state_interface name="position">'
+        '<ros2_control name="c" type="system"><hardware><plugin>mock_components/GenericSystem</plugin></hardware>'
+        '<joint name="{}"><state_interface name="position">'
         '<param name="initial_value">1.0</param></state_interface></joint></ros2_control>'
     )
     assert not find_zero(tmp_path / "c", out, more=start.format("j"))
@@ -61,11 +65,21 @@ def test_where_it_is_not_zero_that_counts(tmp_path: Path) -> None:
 
 def test_a_note_unless_it_is_for_a_simulator(tmp_path: Path) -> None:
     (note,) = find_zero(tmp_path, 'lower="0.5" upper="2"')
-    (warning,) = find_zero(tmp_path, 'lower="0.5" upper="2"', more='<transmission name="t"/>')
+    (warning,) = find_zero(tmp_path, 'lower="0.5" upper="2"', more=CONTROLLED)
     assert (note.severity, warning.severity) == (Severity.INFO, Severity.WARNING)
-    (small,) = find_zero(tmp_path, 'lower="0.12" upper="4.5"', more='<transmission name="t"/>')
+    hardware = "<ros2_control name='c' type='system'><hardware><plugin>{}</plugin></hardware></ros2_control>"
+    plain = (
+        '<transmission name="t"/>',
+        "<gazebo><material>Gazebo/Red</material></gazebo>",
+        hardware.format("motors/Motors"),
+    )
+    for more in plain:
+        assert find_zero(tmp_path, 'lower="0.5" upper="2"', more=more)[0].severity is Severity.INFO
+    (simulated,) = find_zero(tmp_path, 'lower="0.5" upper="2"', more=hardware.format("gz_ros2_control/GazeboSimSystem"))
+    assert simulated.severity is Severity.WARNING
+    (small,) = find_zero(tmp_path, 'lower="0.12" upper="4.5"', more=CONTROLLED)
     assert (small.message_id, small.severity) == ("outside", Severity.INFO)
-    (near,) = find_zero(tmp_path, 'lower="0.07" upper="0.5"', more='<transmission name="t"/>')
+    (near,) = find_zero(tmp_path, 'lower="0.07" upper="0.5"', more=CONTROLLED)
     assert (near.message_id, near.severity) == ("near", Severity.INFO)
     plugin = (
         '<gazebo><plugin name="p" filename="p.so"><initialConfiguration>0.7</initialConfiguration></plugin></gazebo>'
@@ -98,12 +112,12 @@ def test_legs_bend_one_way_only(tmp_path: Path, names: tuple[str, ...], severity
             joint(name, "base", f"{name}_link", limit(-2.5, -0.5), kind="revolute", axis="0 1 0"),
         )
     ]
-    (finding,) = find(tmp_path, robot(link("base"), *parts, '<transmission name="t"/>'), "JNT019")
+    (finding,) = find(tmp_path, robot(link("base"), *parts, CONTROLLED), "JNT019")
     assert finding.severity is severity
 
 
 def test_a_start_that_a_launch_file_passes(tmp_path: Path) -> None:
-    out = {"limit": 'lower="0.5" upper="2"', "more": '<transmission name="t"/>'}
+    out = {"limit": 'lower="0.5" upper="2"', "more": CONTROLLED}
     (warning,) = find_zero(tmp_path, **out)
     (tmp_path / "spawn.launch").write_text(
         '<launch><node pkg="gazebo_ros" args="-J j 1.0"/></launch>', encoding="utf-8"

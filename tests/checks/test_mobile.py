@@ -161,7 +161,7 @@ def test_a_body_that_only_touches_because_short_casters_lean_the_robot(
             "the collision is 0.003 m off the visual of the same shape, which reaches 2 mm below",
             "copy the <origin>",
         ),
-        ("0 0 0.036", "the robot rests on it", "raise the collision of base_link"),
+        ("0 0 0.036", "the robot rests on it", "raise or shorten the collision of base_link"),
     ],
 )
 def test_a_body_that_collides_lower_than_it_is_drawn_needs_the_place_where_it_is_drawn(

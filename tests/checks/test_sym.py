@@ -210,6 +210,7 @@ def test_of_a_pair_the_one_with_an_angle_that_nobody_chooses_is_named(tmp_path: 
     ("angle", "extra", "severity"),
     [
         (0.0194, '<limit lower="-1" upper="1" effort="1" velocity="1"/>', Severity.WARNING),
+        (0.0153, '<limit lower="-1" upper="1" effort="1" velocity="1"/>', Severity.INFO),
         (0.0194, '<limit effort="1" velocity="1"/>', Severity.INFO),
         (0.0194, '<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="rear_left"/>', Severity.INFO),
         (0.0394, '<limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="rear_left"/>', Severity.WARNING),
@@ -224,6 +225,16 @@ def test_a_degree_in_a_joint_that_nothing_commands_is_a_note_without_an_edit(
     (finding,) = find(tmp_path, text[:place] + extra + text[place:], "SYM001")
     assert (finding.message_id, finding.severity) == ("limits", severity)
     assert bool(edits(finding)) is (severity is Severity.WARNING)
+
+
+def test_a_part_that_does_not_lie_in_its_frame_as_the_others_do_shows_no_shifted_zero(tmp_path: Path) -> None:
+    """Its COM, 5 mm off the axis, is turned by half of what the frame is turned back."""
+    part = WHEEL.replace('xyz="0 0.002 0.001"', 'xyz="0.005 0.002 0"')
+    turned = WHEEL.replace('xyz="0 0.002 0.001"', 'xyz="0.004943856 0.002 -0.000747191"')
+    text = car("revolute", front_left="0 -0.3 0").replace(WHEEL, part)
+    (finding,) = find(tmp_path / "a", text, "SYM001")
+    assert finding.message_id == "limits"
+    assert not find(tmp_path / "b", text.replace(part, turned, 1), "SYM001")
 
 
 @pytest.mark.parametrize(

@@ -92,6 +92,18 @@ def test_a_com_with_the_numbers_of_the_others_stays_where_the_drawing_is_apart(t
     assert len(finding.fix.edits) == 1
 
 
+@pytest.mark.parametrize(
+    ("com", "place", "rpy"), [((0, 0, 0), "0.004 0.002 0", "0.1 0 0"), (COM, "0.004 0.002 0", "0 0 0")]
+)
+def test_only_the_mass_is_odd_where_all_have_one_com(tmp_path: Path, com: object, place: str, rpy: str) -> None:
+    write_mesh(tmp_path)
+    links = {name: drawn() + make_lump_inertial(com=com) for name in FOUR}
+    links["fr"] = drawn(place, rpy) + make_lump_inertial(0.8 * MASS, com=com, tensor=0.8 * TENSOR)
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **links))
+    assert "mass" in finding.message
+    assert "COM" not in finding.message
+
+
 def test_inertials_that_agree_are_not_told_apart_by_a_drawing(tmp_path: Path) -> None:
     """A COM of 0 0 0, and a tensor that no turn changes, say nothing about where the mesh is, or how it is turned."""
     typed = make_lump_inertial(com=(0.0, 0.0, 0.0), tensor=np.eye(3) * 5e-5)

@@ -255,7 +255,20 @@ def told(finding: Finding) -> tuple[str, str | None, str]:
 
 
 @pytest.mark.parametrize(
-    ("velocities", "severity"), [(("1000", "100"), Severity.INFO), (("10", "1"), Severity.WARNING)]
+    ("away", "severity"),
+    [((0.003, 0, 0), Severity.WARNING), ((0.003, 0.002, 0), Severity.INFO), ((0.006, 0.004, 0), Severity.WARNING)],
+)
+def test_a_place_that_is_a_little_off_in_two_coordinates_is_of_another_export(
+    tmp_path: Path, away: tuple[float, float, float], severity: Severity
+) -> None:
+    xyz = " ".join(f"{a + b:g}" for a, b in zip((0, -0.01, -0.32), away, strict=True))
+    finding = one(tmp_path, with_(copy.deepcopy(ROBOT), "joint[@name='right_hand_joint']/origin", xyz=xyz))
+    assert (finding.message_id, finding.severity) == ("origin", severity)
+
+
+@pytest.mark.parametrize(
+    ("velocities", "severity"),
+    [(("1000", "100"), Severity.INFO), (("17453", "3"), Severity.INFO), (("10", "1"), Severity.WARNING)],
 )
 def test_velocities_that_no_joint_reaches_are_placeholders(
     tmp_path: Path, velocities: tuple[str, str], severity: Severity
@@ -498,8 +511,8 @@ def test_nothing_is_edited_where_nothing_says_which_side_is_wrong(tmp_path: Path
     finding = one(tmp_path, DEFECTS["mass"](ROBOT))
     assert finding.fix is not None
     assert not finding.fix.edits
-    assert finding.fix.title.startswith("correct the wrong one: write ")
-    assert " in right_arm, or write " in finding.fix.title
+    assert finding.fix.title.startswith("if left_arm is right, write ")
+    assert " in right_arm; if right_arm is, write " in finding.fix.title
     assert finding.fix.title.endswith(" in left_arm")
 
 

@@ -51,6 +51,17 @@ def test_wheels_on_a_rectangle_are_fine(tmp_path: Path) -> None:
     assert not find(tmp_path, car(), "SYM002")
 
 
+@pytest.mark.parametrize(("shift", "found"), [("0 0 0", True), ("-0.002 0 0", False)])
+def test_what_is_drawn_in_its_place_is_not_off(tmp_path: Path, shift: str, found: bool) -> None:
+    """All COMs are typed alike; only the drawing shows whether the wheel is elsewhere."""
+    visual = '<visual><origin xyz="{}"/><geometry><box size="0.03 0.01 0.03"/></geometry></visual>'
+    text = car(front_left="0.072 0.052 0")
+    for name in CORNERS:
+        head, mark, tail = text.partition(f'<link name="{name}_wheel">')
+        text = head + mark + visual.format(shift if name == "front_left" else "0 0 0") + tail
+    assert bool(find(tmp_path, text, "SYM002")) == found
+
+
 @pytest.mark.parametrize("name", CORNERS)
 def test_each_wheel_is_named_and_only_the_wrong_word_is_edited(tmp_path: Path, name: str) -> None:
     x, y, _ = CORNERS[name].split()

@@ -214,7 +214,7 @@ def test_of_two_impossible_inertials_neither_repairs_the_other(tmp_path: Path) -
     (finding,) = find_places(tmp_path, *make_wheels(left, right))
     assert finding.message_id == "both"
     assert finding.fix is not None
-    assert finding.fix.title == "export both again: neither inertial is that of the part that it draws"
+    assert finding.fix.title == "compute both inertials from the parts: neither is near that of what is drawn"
     (finding,) = find_places(tmp_path, *make_wheels(inertial(1, ixx=0.0014, iyy=0.0028, izz=0.0016), right))
     assert finding.message_id != "both"
 

@@ -103,7 +103,7 @@ def test_each_of_several_joints_that_are_wrong_alike_shows_it(editor: Editor, pr
     path = project / "urdf/r.urdf"
     hinge = (
         '<joint name="{0}" type="revolute"><parent link="a"/><child link="{0}"/><axis xyz="0 0 1"/>'
-        '<limit lower="-1" upper="1" effort="1" velocity="1e12"/></joint><link name="{0}"/>'
+        '<limit lower="-1" upper="1" effort="1e12" velocity="1"/></joint><link name="{0}"/>'
     )
     path.write_text(f"""<robot name="r"><link name="a"/>\n{hinge.format("b")}\n{hinge.format("c")}\n</robot>""")
     editor.open(path)

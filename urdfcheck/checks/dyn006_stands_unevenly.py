@@ -21,7 +21,7 @@ from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.model.shapes.corners import compute_shape_corners
 from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
 
-_RAISE = "raise the collision of {link}, or lower wheels and casters"
+_RAISE = "raise or shorten the collision of {link}, or lower wheels and casters"
 _COPY = "copy the <origin> of the <visual> to the <collision>"
 
 
@@ -36,7 +36,7 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float)
         "reason": f"; {reason}" if (reason := describe_uneven_reason(pose)) else "",
         "repair": describe_level_repair(pose),
     }
-    if hanging:
+    if hanging and data["supports"]:
         gaps = [pose.heights[wheel.joint.child] for wheel in hanging]
         yield rule.finding(
             "unloaded",
@@ -46,7 +46,7 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float)
             gap=max(gaps) * 1e3,
             **data,
         )
-    elif math.degrees(pose.tilt) > lean:
+    elif not hanging and math.degrees(pose.tilt) > lean:
         yield rule.finding("leans", at=locate_uneven_cause(model, pose), root=model.tree.root, **data)
     yield from _check_body(model, rule, pose, lean=lean, data=data)
 

@@ -36,7 +36,10 @@ def check(
             if mixed:
                 yield _build_lone_end_finding(rule, mixed)
         if alike:
-            yield _build_finding(model, rule, "range", joints=alike, names=("lower", "upper"))
+            # ±15 may be turns: of a gimbal, or of a servo without a stop.
+            is_sure = max(max(ranges[joint], default=0) for joint in alike) >= _FEW_TURNS
+            names = "lower", "upper"
+            yield _build_finding(model, rule, "range" if is_sure else "turns", joints=alike, names=names)
     # A rotor turns without end, however its joint is typed, and so fast.
     ranged = [joint for joint, sizes in ranges.items() if max(sizes, default=0) <= most_angle]
     speeds = {joint: size for joint in ranged for size in _read_magnitudes(joint, ("velocity",))}
@@ -149,7 +152,12 @@ def _build_finding(model: Model, rule: Rule, message: str, *, joints: Sequence[J
         message,
         at=attributes[0],
         related=[attribute for span, attribute in places.items() if span != attributes[0].span],
-        edits=[edit for a in places.values() for edit in edit_literal(a, _format_radians(a, in_xacro=in_xacro))],
+        edits=[
+            edit
+            for a in places.values()
+            for edit in edit_literal(a, _format_radians(a, in_xacro=in_xacro))
+            if message != "turns"
+        ],
         joints=join_names(joint.name for joint in joints),
         count=format_count(len(joints), "joint has", "joints have"),
         worst=worst.name,

@@ -10,7 +10,7 @@ from urdfcheck.core.text import format_count, join_names, split_name_words
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.simulation_use import is_simulated_hardware
+from urdfcheck.model.simulation_use import has_bare_joints, is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.xml import Element
 
@@ -24,6 +24,8 @@ _MANY = 4
 _ENDLESS = 1000.0
 # The words of joints that springs hold.
 _PASSIVE_WORDS = frozenset({"passive", "suspension", "spring", "shock", "damper"})
+# The words of joints that turn a propeller: plugins drive them, which read no limit.
+_ROTOR_WORDS = frozenset({"rotor", "propeller", "prop", "thruster"})
 _WANTED = {
     "effort": "effort, the highest torque in N·m (force in N),",
     "velocity": "velocity, the highest speed in rad/s (m/s),",
@@ -88,6 +90,7 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
                 f"{name}-absurd",
                 name,
                 one,
+                severity=Severity.INFO if name == "velocity" else None,
                 largest=_find_largest(one)[name],
                 most=most,
                 followers=_describe_followers(model, name, most),
@@ -150,7 +153,11 @@ def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
 
 def _is_named_passive(joint: Joint) -> bool:
     """Whether the name says that no drive turns the joint: a data sheet has no speed for it."""
-    return not _PASSIVE_WORDS.isdisjoint(word.lower() for word in split_name_words(joint.name))
+    return _has_word(joint, _PASSIVE_WORDS)
+
+
+def _has_word(joint: Joint, words: frozenset[str]) -> bool:
+    return not words.isdisjoint(word.lower() for word in split_name_words(joint.name))
 
 
 def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:
@@ -177,11 +184,13 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
     # four, and this finding gives way to it.
     is_empty = len(without) == len(driven) > 1 and all(joint.name in still for joint in without)
+    is_empty = is_empty and not has_bare_joints(model)  # a drawing that moves needs neither
     named = collect_plugin_texts(model) if is_empty else frozenset()
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
             # A plugin that drives the joints (rotors) reads no limit.
-            message = "both-zero" if is_empty and not {joint.name for joint in alike} <= named else "effort-unused"
+            is_read = not all(joint.name in named or _has_word(joint, _ROTOR_WORDS) for joint in alike)
+            message = "both-zero" if is_empty and is_read else "effort-unused"
             yield _build_finding(rule, message, "effort", alike, severity=Severity.INFO)
     is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.

@@ -56,8 +56,8 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
     words = [
         word for a in wrong.values() for word in tokenize_attribute(a, model.source.files) if parse_number(word.text)
     ]
-    # A little more than a turn with decimals may be a sum of angles in radians.
-    are_sure = all(v == round(v) or abs(v) > 2 * math.tau for v in angles)
+    # Other numbers may have been tried as radians until the part looked right: 95 rad are 43°, and a part may stand so.
+    are_sure = any(v % _USUAL_DEGREES == 0 and not _is_tried(v) for v in angles)
     finding = rule.finding(
         "degrees",
         at=attributes[0],
@@ -68,6 +68,7 @@ def check(model: Model, rule: Rule, *, step: float, near: float) -> Iterator[Fin
             if are_sure
         ],
         where=where,
+        likely=", probably typed in degrees" if are_sure else "",
         worst=worst,
         turns=abs(worst) / math.tau,
         radians=math.radians(worst),

@@ -120,6 +120,9 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
     drawn = [witness for witness in wheel.evidence if witness.shape is not None]
     if against and not others and not (drawn or against)[0].is_wheel:
         return  # a rod, or a part mounted beside its joint
+    if drawn and not others and _lies_flat(model, wheel, drawn[0]):
+        yield _build_lying_finding(rule, wheel, drawn=drawn, limit=limit)
+        return
     if drawn and not others:
         yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit)
         return
@@ -159,6 +162,14 @@ def _stands_across(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
     is_vertical = abs(abs(float(model.axes[wheel.joint.name][2])) - 1) < _SQUARE
     return witness.kind == "visual" and witness.is_wheel and is_vertical and abs(float(own[2])) < _SQUARE
+
+
+def _lies_flat(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -> bool:
+    """Whether a wheel is drawn round about a vertical axis, but its joint turns it about a horizontal one, as a wheel that rolls:
+    a cylinder that is not rotated lies so."""
+    own = model.frames[wheel.link.name][:3, :3] @ witness.axis
+    is_level = abs(float(model.axes[wheel.joint.name][2])) < _SQUARE
+    return witness.is_wheel and is_level and wheel.joint.axis is not None and abs(abs(float(own[2])) - 1) < _SQUARE
 
 
 def _measure_offset(witness: _AxisEvidence, axis: Array) -> float:
@@ -289,6 +300,21 @@ def _build_axis_finding(
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
         own=_format_axis(own),
+        **wheel.names,
+    )
+
+
+def _build_lying_finding(rule: Rule, wheel: _SuspectWheel, *, drawn: Sequence[_AxisEvidence], limit: float) -> Finding:
+    """Report a wheel that is drawn lying on its side, on a joint with the axis of a wheel that rolls."""
+    alike = [witness for witness in drawn if measure_line_angle(witness.axis, drawn[0].axis) <= limit]
+    return rule.finding(
+        "lying",
+        at=alike[0].location,
+        related=[*(one.location for one in alike[1:]), wheel.joint.axis_location],
+        kinds=" and ".join(one.kind for one in alike),
+        are="is" if len(alike) == 1 else "are",
+        angle=math.degrees(measure_line_angle(drawn[0].axis, wheel.axis)),
+        own=_format_axis(drawn[0].axis),
         **wheel.names,
     )
 

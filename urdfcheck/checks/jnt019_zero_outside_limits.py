@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
@@ -10,13 +11,20 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.simulation_use import has_bare_joints, is_started_elsewhere
+from urdfcheck.model.simulation_use import (
+    has_bare_joints,
+    is_simulated_hardware,
+    is_started_elsewhere,
+    is_started_in_simulator,
+)
 from urdfcheck.source.text.values import parse_number
 
 _LEAST_LEGS = 4
 # The words of joints of a leg: two of a name are enough.
 _LEG_WORDS = frozenset({"knee", "tarsus", "shin", "calf", "ankle", "foot", "leg", "hip", "thigh", "kfe", "kfj"})
-_SIMULATED = ("gazebo", "ros2_control", "transmission", "mujoco")
+# What starts joints at zero: hardware of ros2_control that stands for the real one, and the plugins of Gazebo that drive joints.
+_MOCK_HARDWARE = re.compile(r"mock_components|fake_components")
+_CONTROL_PLUGIN = re.compile(r"ros2?_control|[Jj]oint[-_]?([Pp]osition|[Tt]rajectory)[-_]?[Cc]ontroller")
 
 
 def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: float) -> Iterator[Finding]:
@@ -35,12 +43,31 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
         is_near = all(_is_near(joint, near, notable) for joint in outside)
         is_meant = _are_legs(outside) or has_bare_joints(model) or is_started_elsewhere(model)
         message = "near" if is_near else "meant" if is_meant else "outside"
-        is_simulated = any(model.robot.find_child(tag) is not None for tag in _SIMULATED)
         is_far = any(_measure_share(joint) > notable for joint in outside)
-        is_warning = message == "outside" and is_simulated and is_far
+        is_warning = message == "outside" and is_far and _is_started_by_controllers(model)
         yield _build_finding(rule, message, outside, None if is_warning else Severity.INFO)
     if limiting:
         yield _build_finding(rule, "on-limit", limiting, Severity.INFO)
+
+
+def _is_started_by_controllers(model: Model) -> bool:
+    """Whether the file itself names what starts its joints at zero: simulated or mocked hardware of ros2_control, or a plugin of
+    Gazebo that drives joints, or a simulator that a file of the project starts with transmissions.
+
+    Real hardware reads where its joints are, and the colours of Gazebo say nothing about who starts the robot.
+    """
+    for control in model.robot.find_children("ros2_control"):
+        plugins = [element.text for element in control.walk() if element.tag == "plugin"]
+        if is_simulated_hardware(control) or any(map(_MOCK_HARDWARE.search, plugins)):
+            return True
+    plugins = [
+        plugin.get("filename")
+        for block in model.robot.find_children("gazebo")
+        for plugin in block.find_children("plugin")
+    ]
+    if any(map(_CONTROL_PLUGIN.search, plugins)) or model.robot.find_child("mujoco") is not None:
+        return True
+    return model.robot.find_child("transmission") is not None and is_started_in_simulator(model)
 
 
 def _are_legs(joints: Sequence[Joint]) -> bool:

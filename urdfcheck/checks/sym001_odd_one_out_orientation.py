@@ -28,6 +28,7 @@ from urdfcheck.model.likeness.sibling_joints import (
     is_drawn_square,
     is_frame_evidence,
     is_round_about_joint,
+    is_turned_with_frame,
     sibling_joints,
     trace_fixed_chain,
 )
@@ -45,6 +46,8 @@ if TYPE_CHECKING:
 MAX_ROUND_DEVIATION, MAX_TYPED_DECIMALS = 0.06, 3
 # Fingers of grippers are drawn in poses that differ by about a degree.
 _SLIGHT = math.radians(2)
+# The pose of an export may be so much beside the zero of a joint that is calibrated anyway (chosen).
+_SMALL = math.radians(1)
 # A joint that is turned in its parent as its siblings are, apart from a slip.
 _NEAR_SIBLING = math.radians(5)
 # Two joints are opposite each other if they are apart along a mirror by less than this share of their distance across it.
@@ -137,8 +140,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_choice_of_frame(model: Model, joint: Joint, like: Joint, expected: Array, *, kind: str) -> bool:
-    """Whether a frame is rotated about the joint's axis, and what is in it takes that back: nothing is elsewhere."""
-    return kind == "zero_offset" and is_drawn_in_place(model, joint, like, expected)
+    """Whether a frame is rotated about the joint's axis, and what is in it takes that back, or does not lie in it as the other
+    part does in its own: then the drawing does not show that anything is elsewhere."""
+    return kind == "zero_offset" and (
+        is_drawn_in_place(model, joint, like, expected) or not is_turned_with_frame(model, joint, like)
+    )
 
 
 def _takes_back_drawing(model: Model, odd: _OrientationOutlier) -> bool:
@@ -365,7 +371,7 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         severity=Severity.INFO if slight else None,
         confidence=Confidence.HEURISTIC if slight else None,
         at=at,
-        cause="free_mate" if odd.kind == "zero_offset" and message not in {"computed", "mount"} else None,
+        cause="free_mate" if message == "zero" else None,
         edits=_propose_edits(model, correction.joint, rpy),
         related=[*definitions, *(other for other in around if other.span != at.span)],
         **data,
@@ -374,9 +380,10 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
 
 
 def _is_slight(joint: Joint, angle: float) -> bool:
-    """Whether a zero is about a degree (rad) beside its place on a joint that nothing commands: it follows another one, or has no
-    range, like a bearing of a linkage."""
-    return abs(angle) < _SLIGHT and (joint.mimic is not None or joint.position_range is None)
+    """Whether a zero is less than a degree (rad) beside its place, or about that on a joint that nothing commands: it follows
+    another one, or has no range, like a bearing of a linkage."""
+    is_free = joint.mimic is not None or joint.position_range is None
+    return abs(angle) < (_SLIGHT if is_free else _SMALL)
 
 
 def _is_idler(model: Model, joint: Joint) -> bool:

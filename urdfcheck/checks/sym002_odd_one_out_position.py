@@ -82,20 +82,32 @@ def _compute_wheel_offsets(model: Model) -> dict[str, Array]:
 def _is_body_displaced(
     model: Model, group: Sequence[Joint], index: int, *, base: Array, rises: Mapping[str, Array], off: Array
 ) -> bool:
-    """Whether the COM behind a joint is displaced like its frame: otherwise only the frame was chosen differently.
+    """Whether the COM behind a joint is displaced like its frame, and what is drawn is not in its place: otherwise only the frame
+    was chosen differently, or the drawing was placed to fit.
 
     ``base``: (4, 4), the frame of the common base; ``off``: (3,) in m, in that frame.
     """
-    centres = [_compute_com(model, joint) for joint in group]
-    known = [
-        _transform_to_frame(base, centre - rises.get(joint.name, 0.0))
-        for joint, centre in zip(group, centres, strict=True)
-        if centre is not None
-    ]
-    restored = restore_position(index, known) if len(known) == len(centres) else None
+    coms, drawn = (
+        [
+            _transform_to_frame(base, centre - rises.get(joint.name, 0.0))
+            for joint in group
+            if (centre := compute(model, joint)) is not None
+        ]
+        for compute in (_compute_com, _compute_drawn_centre)
+    )
+    if len(coms) < len(group) or not _is_displaced(coms, index, off):
+        return False
+    # What is in its place would be displaced if it were moved.
+    moved = [centre + off * (i == index) for i, centre in enumerate(drawn)]
+    return len(drawn) < len(group) or not _is_displaced(moved, index, off)
+
+
+def _is_displaced(centres: Sequence[Array], index: int, off: Array) -> bool:
+    """Whether one of some ``centres`` (3,) is off the layout of the others by ``off`` (3,)."""
+    restored = restore_position(index, centres)
     if restored is None:
         return False
-    return bool(np.linalg.norm(known[index] - restored.expected - off) < SIMILAR_SHARE * np.linalg.norm(off))
+    return bool(np.linalg.norm(centres[index] - restored.expected - off) < SIMILAR_SHARE * np.linalg.norm(off))
 
 
 def _transform_to_frame(base: Array, place: Array) -> Array:
@@ -111,8 +123,20 @@ def _compute_com(model: Model, joint: Joint) -> Array | None:
     local = drawn.solid.com if drawn is not None else None
     if link.inertial is not None and link.inertial.origin.xyz is not None:
         local = np.array(link.inertial.origin.xyz)
-    frame = model.frames[link.name]
-    return None if local is None else frame[:3, :3] @ local + frame[:3, 3]
+    return None if local is None else _transform_to_root(model, joint, local)
+
+
+def _compute_drawn_centre(model: Model, joint: Joint) -> Array | None:
+    """Return the centre of what the child of a joint draws, (3,) in root coordinates."""
+    drawn = measure_link_geometry(model, model.link_by_name[joint.child])
+    return None if drawn is None else _transform_to_root(model, joint, drawn.solid.com)
+
+
+def _transform_to_root(model: Model, joint: Joint, place: Array) -> Array:
+    """Transform a position (3,) from the frame of a joint's child to root coordinates."""
+    frame = model.frames[joint.child]
+    moved: Array = frame[:3, :3] @ place + frame[:3, 3]
+    return moved
 
 
 def _build_finding(model: Model, rule: Rule, *, group: Sequence[Joint], misplaced: MisplacedPosition) -> Finding | None:

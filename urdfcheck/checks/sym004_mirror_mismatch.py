@@ -80,15 +80,13 @@ _SLIGHT_SPREAD, _NEARER = 0.01, 0.5
 _OWN_COM = 0.02
 # A COM is outside its drawing beyond this share of the drawing's size, as for INR006.
 _OUTSIDE = 0.1
-# A coordinate of a COM that is smaller than this share of its distance may have been rounded to zero.
-_SAME_COM = 0.01
 # Of numbers that are the other side's apart from signs one is the image of the other, whatever else is wrong with both.
 _SIGN_CAUSES = frozenset({"signs", "products_sign", *CONTRADICTIONS})
-_EXPORT_BOTH = "export both again: neither COM is that of the part that it draws"
+_COMPUTE_BOTH_COMS = "compute both COMs from the parts: neither is near that of what is drawn"
 # A COM that is off by less (m) may be that of a part that was turned, not mirrored, without making a difference (chosen).
 _SLIGHT_TURN = 1e-3
-_COMPARE_DRAWINGS = "compare both with the CAD model: the drawing of one side or its inertial is that of another part"
-_EXPORT_BOTH_INERTIALS = "export both again: neither inertial is that of the part that it draws"
+_COMPARE_DRAWINGS = "compare both sides with the CAD model: a drawing or an inertial is wrong"
+_COMPUTE_BOTH_INERTIALS = "compute both inertials from the parts: neither is near that of what is drawn"
 # What is so where the masses and the COMs are the same, and where no joint moves one side without the other.
 _MASS_MATRIX = "the mass matrix differs between the two sides"
 _OFF_PLANE = "the COM of the body that holds both is shifted to one side"
@@ -96,6 +94,8 @@ _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal 
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
 # Joints of limbs are slower (rad/s or m/s): chosen.
 _UNREACHED = 100.0
+# No drive turns a joint so fast (rad/s or m/s), as for JNT007.
+_NO_DRIVE = 1e4
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -126,6 +126,7 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
             related=mistake.related,
             cause=mistake.cause,
             edits=mistake.edits,
+            severity=Severity.INFO if mistake.is_minor else None,
             **mistake.data,
         )
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set()}
@@ -214,9 +215,9 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if deviation.worst == deviation.com_offset and all(_is_outside_body(model, one.link) for one in both):
             return None  # INR006 reports both
         repair = _describe_either_repair(model, both, why, note=note, is_barred=len(barred) == len(both))
-        # Several numbers that are off by a few percent are two exports of one assembly; one that was lost is a slip.
-        is_slight = deviation.worst < shares.differ and cause is None and not _has_lost_number(both)
-        if repair in {_EXPORT_BOTH, _EXPORT_BOTH_INERTIALS}:
+        # Numbers that are off by a few percent are two exports of one assembly, or change nothing.
+        is_slight = share < shares.differ
+        if repair in {_COMPUTE_BOTH_COMS, _COMPUTE_BOTH_INERTIALS}:
             # Neither was right before it was copied.
             cause = cause if why.is_slip else None
             place |= {"cause": cause, "severity": shares.choose_severity(share, pair, cause)}
@@ -251,11 +252,12 @@ def _describe_either_repair(
         return _COMPARE_DRAWINGS
     if why.cause not in _SIGN_CAUSES:
         if both[1].deviation.com_offset > note and all(_has_com_elsewhere(model, one.link) for one in both):
-            return _EXPORT_BOTH
+            return _COMPUTE_BOTH_COMS
         if all(_has_other_inertial(model, one.link) for one in both):
-            return _EXPORT_BOTH_INERTIALS
+            return _COMPUTE_BOTH_INERTIALS
+    one, other = both[0].link.name, both[1].link.name
     other_way = "the other way round" if _has_shared_inertial(both[1]) else _describe_remedy(both[0], note)
-    return f"correct the wrong one: {_describe_remedy(both[1], note)}, or {other_way}"
+    return f"if {one} is right, {_describe_remedy(both[1], note)}; if {other} is, {other_way}"
 
 
 def _list_explained(side: PairSide, severity: Severity, note: float) -> list[str]:
@@ -392,15 +394,6 @@ def _are_shifted_drawings(pair: MirrorPair, side: PairSide) -> bool:
         side.actual.mass == twin.mass
         and np.array_equal(side.actual.com, twin.com)
         and np.array_equal(side.actual.inertia, twin.inertia)
-    )
-
-
-def _has_lost_number(both: Sequence[PairSide]) -> bool:
-    """Whether one side's COM has a coordinate of exactly zero where the other's is off, and the masses are the same."""
-    return both[0].actual.mass == both[1].actual.mass and any(
-        typed == 0.0 and abs(wanted) > _SAME_COM * float(np.linalg.norm(side.expected.com))
-        for side in both
-        for typed, wanted in zip(side.actual.com.tolist(), side.expected.com.tolist(), strict=True)
     )
 
 
@@ -646,8 +639,11 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
 
 
 def _is_about_placeholders(mismatch: MismatchedLimit) -> bool:
-    """Whether two limits differ only in round velocities that no joint reaches: then neither side says anything."""
+    """Whether two limits differ only in round velocities that no joint reaches: then neither side says anything. Or only one has
+    a velocity that no drive has: that joint follows the other."""
     velocities = [side.get_limit_value("velocity") or 0.0 for side in (mismatch.joint, mismatch.twin)]
+    if min(velocities) < _NO_DRIVE <= max(velocities):
+        return True
     return mismatch.expected.keys() == {"velocity"} and all(v >= _UNREACHED and is_round(v) for v in velocities)
 
 

@@ -124,5 +124,5 @@ def _get_other(pair: WheelPair, wheel: Wheel) -> str:
 
 def _describe_repair(first: Joint, second: Joint, tilted: Wheel | None) -> str:
     if tilted is not None:
-        return f"correct the rpy of {tilted.joint.name}; compare it with that of {second.name}"
+        return f"compare axis and rpy of {tilted.joint.name} with those of {second.name}, and correct them"
     return f"compare the origins of {first.name} and {second.name}, and the wheels' shapes; correct the wrong one"

@@ -49,7 +49,9 @@ def describe_level_repair(pose: RestPose) -> str:
     if odd:
         drop = next(iter(odd.values()))
         return f"move {join_names(odd)} {'up' if drop > 0 else 'down'} by {abs(drop) * 1e3:.3g} mm, or the wheels the other way"
-    return "correct the rpy of the joint that inclines the body with all its wheels"
+    if pose.tilt > _INCLINED:
+        return "correct the rpy of the joint that inclines the body with all its wheels, or the heights of the wheels"
+    return "give wheels and casters lowest points of one height"
 
 
 def locate_uneven_cause(model: Model, pose: RestPose) -> Location:

@@ -34,6 +34,8 @@ NOTABLE_SHARE = 0.01
 _ARRANGEMENT_TOLERANCE = 1e-4
 # What links draw is placed by hand to this length (m).
 _SAME_PLACE = 1e-3
+# Drawings that are turned by less (rad) are only shifted.
+_SAME_AXES = 1e-6
 # This many members of a group are compared with all others.
 _MAX_CANDIDATES = 16
 # A part is symmetric when its image under the symmetry differs by less than this share of its size.
@@ -344,14 +346,17 @@ def _is_same_arrangement(one: Sequence[Array], other: Sequence[Array]) -> bool:
 def _transform_to_copy(source: PartCopy, target: PartCopy) -> DeclaredInertial:
     """Return the inertial of one copy as that of another, in the other's frame.
 
-    One COM in both frames stays where the drawings are placed apart by no more than a hand measures, or where the tensor is one
-    too: then the numbers were copied, and only the drawing was moved.
+    One COM in both frames stays where it is in three cases: it is 0 0 0, a default rather than a measured place; the drawings are
+    only shifted, or apart by no more than a hand measures; or the tensor is one too. Then where a drawing was put shows nothing.
     """
     linear, own = target.linear @ source.linear.T, source.numbers.com
     com = linear @ (own - source.shift) + target.shift
     moved = turn_inertial(source.numbers, linear, com=com)
     is_copied = np.array_equal(own, target.numbers.com) and (
-        float(np.linalg.norm(com - own)) <= _SAME_PLACE or _have_one_tensor(moved, target.numbers)
+        not own.any()
+        or bool(np.allclose(linear, np.eye(3), atol=_SAME_AXES))
+        or float(np.linalg.norm(com - own)) <= _SAME_PLACE
+        or _have_one_tensor(moved, target.numbers)
     )
     return turn_inertial(source.numbers, linear, com=own) if is_copied else moved
 

@@ -37,6 +37,10 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# Metres within which two exports of one assembly differ in several coordinates, each by this share of the distance (chosen).
+_MINOR, _NOTABLE = 5e-3, 0.2
+
+
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
 class PlaceMistake:
     """A joint in another place or direction than its counterparts show, as a message of SYM004."""
@@ -49,6 +53,8 @@ class PlaceMistake:
     data: Mapping[str, Any]
     edits: tuple[Edit, ...] = ()
     cause: str | None = None
+    is_minor: bool = False
+    """Whether it is little, and no single number is the mistake: two exports of one assembly differ so."""
 
 
 def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
@@ -97,7 +103,9 @@ def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
             # What it carries must stay where it is.
             first, second = (f"{move} and move what it carries back by as much" for move in (first, second))
         data |= {"distance": off.distance * 1e3, "first": first, "second": second}
-        return PlaceMistake(message="origin", joints=both, at=at, related=(related,), data=data)
+        away = np.abs(np.array(off.joint.origin.xyz or (0.0, 0.0, 0.0)) - there)
+        is_minor = off.distance < _MINOR and int((away > _NOTABLE * off.distance).sum()) > 1
+        return PlaceMistake(message="origin", joints=both, at=at, related=(related,), data=data, is_minor=is_minor)
     at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     data["angle"] = math.degrees(off.angle)
     return PlaceMistake(message="axis", joints=both, at=at, related=(related,), data=data)

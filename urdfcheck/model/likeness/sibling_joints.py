@@ -118,13 +118,30 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
+    back = model.frames[joint.child][:3, :3].T @ expected
+    found = _measure_drawn_alike(model, joint, like, (back, np.eye(3)))
+    return found is not None and found[0] < 1.0 and found[0] < found[1] / 2.0
+
+
+def is_turned_with_frame(model: Model, joint: Joint, like: Joint) -> bool:
+    """Whether the part behind a joint lies in the joint's frame as that of a joint like it does: then it is rotated as the frame
+    is. True where neither the drawings nor the COMs are known.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    found = _measure_drawn_alike(model, joint, like, (np.eye(3),))
+    return found is None or found[0] < 1.0
+
+
+def _measure_drawn_alike(model: Model, joint: Joint, like: Joint, turns: Sequence[Array]) -> list[float] | None:
+    """Measure how far the part behind a joint is from where each of some rotations (3, 3) of the frame takes that of a joint like
+    it, below 1 for as good as there; by the COMs where the drawings are not known. None where neither is."""
     one, other = get_outline(model, like.child), get_outline(model, joint.child)
     if joint.axis is None:
-        return False
+        return None
     axis = np.array(joint.axis) / np.linalg.norm(joint.axis)
-    back = model.frames[joint.child][:3, :3].T @ expected
     if one is None or other is None:
-        return _is_com_in_place(model, joint, like, axis=axis, back=back)
+        return _measure_coms_alike(model, joint, like, axis=axis, turns=turns)
 
     def measure_best(turn: Array) -> float:
         best = math.inf
@@ -132,28 +149,25 @@ def is_drawn_in_place(model: Model, joint: Joint, like: Joint, expected: Array) 
             linear = turn @ renaming
             shift = axis * float((other.centroid - linear @ one.centroid) @ axis)
             best = min(best, measure_outline_mismatch(one, other, linear=linear, shift=shift, limit=best))
-        return best
+        return best / ALIKE
 
-    in_place = measure_best(back)
-    return in_place < ALIKE and in_place < measure_best(np.eye(3)) / 2.0
+    return [measure_best(turn) for turn in turns]
 
 
-def _is_com_in_place(model: Model, joint: Joint, like: Joint, *, axis: Array, back: Array) -> bool:
-    """Whether the COM behind a joint is where it would be if the rotation ``back`` (3, 3) of the joint's frame were undone.
-
-    ``axis`` is that of the joint (3,).
-    """
+def _measure_coms_alike(
+    model: Model, joint: Joint, like: Joint, *, axis: Array, turns: Sequence[Array]
+) -> list[float] | None:
+    """Measure the same by the COMs, which are off the ``axis`` (3,) of the joint."""
     one, other = (read_declared_inertial(model.link_by_name[name]) for name in (like.child, joint.child))
-    if one is None or other is None:
-        return False
-    lever = float(np.linalg.norm(np.cross(axis, other.com)))
+    lever = 0.0 if other is None else float(np.linalg.norm(np.cross(axis, other.com)))
+    if one is None or other is None or not lever > 0.0:
+        return None
 
     def measure_best(turn: Array) -> float:
         offsets = (other.com - turn @ renaming @ one.com for renaming in _list_axis_renamings())
-        return min(float(np.linalg.norm(np.cross(axis, offset))) for offset in offsets)
+        return min(float(np.linalg.norm(np.cross(axis, offset))) for offset in offsets) / (_SAME_COM * lever)
 
-    in_place = measure_best(back)
-    return in_place < _SAME_COM * lever and in_place < measure_best(np.eye(3)) / 2.0
+    return [measure_best(turn) for turn in turns]
 
 
 def is_drawn_square(model: Model, joint: Joint, expected: Array) -> bool:
