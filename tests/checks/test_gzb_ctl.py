@@ -117,6 +117,19 @@ def test_a_plugin_of_classic_matters_to_robots_of_ros_2(
     assert finding.severity == severity
 
 
+def test_a_project_that_starts_classic_needs_its_plugins(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text(MANIFEST.format("<depend>ros_gz_sim</depend>"))
+    (tmp_path / "classic.launch.py").write_text("Node(package='gazebo_ros', executable='spawn_entity.py')")
+    (finding,) = find(tmp_path, robot(ARM, CLASSIC), "GZB002")
+    assert finding.severity == Severity.INFO
+    (tmp_path / "package.xml").write_text(MANIFEST.format("<export><build_type>ament_cmake</build_type></export>"))
+    (finding,) = find(tmp_path, robot(ARM, CLASSIC, ROS1_PLUGIN), "GZB002")
+    assert (finding.severity, finding.fix and finding.fix.title) == (
+        Severity.WARNING,
+        "for Gazebo Classic in ROS 2, replace gazebo_ros_laser by gazebo_ros_ray_sensor",
+    )
+
+
 def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
     body = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
     (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
