@@ -116,7 +116,10 @@ WIDE = (
     '<xacro:macro name="disc" params="name m:=1">\n<link name="${name}"><inertial><mass value="1"/>\n'
     '<inertia ixx="${0.1 * m}" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link></xacro:macro>\n'
 )
-PAIR = '<xacro:macro name="pair" params="side m:=1">\n<xacro:disc name="${side}_a" m="${m}"/>\n<xacro:disc name="${side}_b"/>\n</xacro:macro>\n'
+PAIR = (
+    '<xacro:macro name="pair" params="side m:=1">\n<xacro:disc name="${side}_a" m="${m}"/>\n'
+    '<xacro:disc name="${side}_b"/>\n</xacro:macro>\n'
+)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-"""Where a finding is to be repaired: a macro only hands on what a yaml file or a call gives it, and may be right for other calls."""
+"""Where a finding is to be repaired: a macro hands on what a yaml file or a call gives it, and may be right for other calls."""
 
 from __future__ import annotations
 
@@ -95,6 +95,16 @@ def _find_typed_place(attribute: Attribute, *, may_be_name: bool) -> Span | None
     return None if typed is None else typed.span
 
 
+def _get_content(span: Span | None, texts: Mapping[str, str]) -> str:
+    """Return the text behind a start tag, up to the next tag."""
+    tag = _get_text(span, texts)
+    is_start = span is not None and tag.startswith("<") and tag.endswith(">") and not tag.endswith("/>")
+    if span is None or not is_start:
+        return ""
+    text = texts[span.file]
+    return text[span.end : max(text.find("<", span.end), span.end)]
+
+
 def _get_text(span: Span | None, texts: Mapping[str, str]) -> str:
     return "" if span is None else texts.get(span.file, "")[span.start : span.end]
 
@@ -136,7 +146,7 @@ def _is_handed(finding: Finding, texts: Mapping[str, str]) -> bool:
     has_edits = finding.fix is not None and bool(finding.fix.edits)
     if has_edits or not finding.location.via or finding.code.startswith(_FILES) or _is_about_markup(finding):
         return False
-    return "${" in _get_text(finding.location.span, texts)
+    return "${" in _get_text(finding.location.span, texts) + _get_content(finding.location.span, texts)
 
 
 def _find_owners(root: Element, calls: Collection[tuple[Span, ...]]) -> dict[_Place, list[Element]]:
