@@ -47,6 +47,7 @@ _MOST_COMPARED = 1_000
 _STEM_LIKENESS = 0.75
 # Names of collisions that a message lists.
 _MOST_NAMED = 4
+_SHARED_NAME = "make the SDF name of each link's collision a parameter of the macro"
 # What stands for "no topic given": SDFormat's default is written out where a model was converted or copied from its description.
 _NO_TOPIC = frozenset({"", "__default_topic__"})
 
@@ -80,19 +81,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     except FactUnavailableError:
         return
     yield from _check_duplicate_names(model, sensors, reduction, rule)
-    for unknown in _iter_unknown_collisions(sensors, reduction):
+    unknowns = list(_iter_unknown_collisions(sensors, reduction))
+    for unknown in unknowns:
         if _is_meant_to_be_kept(model, unknown.sensor.reference, reduction):
             continue  # GZB001 and GZB003 report the block that does not keep the link
         element, names, files = unknown.element, unknown.candidates, model.source.files
         other = _find_other_link(model, unknown)
+        is_shared = len({u.sensor.reference for u in unknowns if u.element.span == element.span}) > 1
         yield rule.finding(
             "collision",
             at=locate_content(element, files),
-            edits=edit_content(element, names[0], files) if len(names) == 1 and other is None else (),
+            edits=edit_content(element, names[0], files) if len(names) == 1 and other is None and not is_shared else (),
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            repair=_describe_collision_repair(unknown, other),
+            repair=_SHARED_NAME if is_shared else _describe_collision_repair(unknown, other),
         )
 
 
