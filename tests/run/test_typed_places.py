@@ -139,6 +139,16 @@ def test_the_call_of_a_macro_that_is_right_for_others(tmp_path: Path, calls: str
     assert place.startswith("<inertia") or all(own.location.via[-1].line == 3 for own in found)
 
 
+def test_elements_of_a_call_stay_findings_of_their_own(tmp_path: Path) -> None:
+    second = WIDE.partition("\n")[2].replace('"${name}"', '"${name}_2"').replace("0.1 * m", "0.2 * m")
+    two = WIDE.replace("</xacro:macro>", second)
+    calls = '<xacro:disc name="good"/>\n<xacro:disc name="bad" m="${3 * 3}"/>'
+    (found,) = find(tmp_path, two + calls).findings
+    assert [own.subjects for own in found.list_occurrences()] == [
+        (f"link[{name}]/inertial/inertia",) for name in ("bad_2", "bad")
+    ]
+
+
 @pytest.mark.parametrize("line", ["<inertia ixx", '<xacro:disc name="bad"'], ids=["macro", "call"])
 def test_a_comment_suppresses_at_the_line_and_at_its_call(tmp_path: Path, line: str) -> None:
     body = WIDE + '<xacro:disc name="good"/>\n<xacro:disc name="bad" m="9"/>'

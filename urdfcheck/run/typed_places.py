@@ -127,7 +127,7 @@ def _locate_own_calls(findings: list[Finding], root: Element, texts: Mapping[str
         finding = findings[number]
         key = _strip_attribute(finding.location.subject), finding.location.via
         made = owners.get(key, ())
-        right = [e.via for e in made if not concerned[finding.code, finding.message_id].touches(e.subject)]
+        right = [e.via for e in made if not concerned[finding.code].touches(e.subject)]
         moved[number] = replace(
             finding,
             location=_move_to_call(finding.location, right, texts),
@@ -160,7 +160,7 @@ def _find_owners(root: Element, calls: Collection[tuple[Span, ...]]) -> dict[_Pl
 
 
 class _Concerned:
-    """Elements that findings of one kind are about, or name."""
+    """Elements that findings of one rule are about, or name."""
 
     def __init__(self) -> None:
         self.subjects: set[str] = set()
@@ -176,12 +176,12 @@ class _Concerned:
         return subject in self.around or not self.subjects.isdisjoint(_list_around(subject))
 
 
-def _collect_concerned(findings: Iterable[Finding]) -> dict[tuple[str, str], _Concerned]:
-    concerned: dict[tuple[str, str], _Concerned] = {}
+def _collect_concerned(findings: Iterable[Finding]) -> dict[str, _Concerned]:
+    concerned: dict[str, _Concerned] = {}
     for finding in findings:
-        kind = concerned.setdefault((finding.code, finding.message_id), _Concerned())
+        own = concerned.setdefault(finding.code, _Concerned())
         for subject in (finding.location.subject, *finding.subjects, *(place.subject for place in finding.related)):
-            kind.add(subject)
+            own.add(subject)
     return concerned
 
 
