@@ -623,6 +623,15 @@ def test_sensors_of_one_name_are_counted(tmp_path: Path, body: str, repair: str)
     assert finding.fix.title == repair
 
 
+def test_one_of_two_equal_sensors_is_one_too_many(tmp_path: Path) -> None:
+    sensor = '<sensor name="imu" type="imu"><update_rate>{}</update_rate></sensor>'
+    for rate, repair in (("30", "delete one of the two: they are equal"), ("50", "give each sensor its own name")):
+        body = block("a", sensor.format(30), sensor.format(rate))
+        (finding,) = find(tmp_path / rate, robot(ARM, body), "GZB004")
+        assert finding.fix is not None
+        assert finding.fix.title == repair
+
+
 # -- control ------------------------------------------------------------------------------------------------------------
 
 

@@ -234,7 +234,9 @@ class TestModels:
         macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
         body = disc() + disc("small", "0.1") + JOINT.format("small").replace("base", "wheel")
         found = find(write_robots(tmp_path, macros, a=body, b=body)).findings
-        assert [(own.model, Path(own.location.file).name) for own in found] == [(f"{name}.urdf.xacro",) * 2 for name in "ab"]
+        assert [(own.model, Path(own.location.file).name) for own in found] == [
+            (f"{name}.urdf.xacro",) * 2 for name in "ab"
+        ]
 
     def test_what_each_model_types_itself_is_an_occurrence_in_each(self, tmp_path: Path) -> None:
         """The macro hands the number on: both calls are to be repaired."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import SequenceMatcher
 
 from urdfcheck.core import FactUnavailableError, Finding, Location, Rule, Severity, Span
@@ -252,7 +252,7 @@ def _check_duplicate_names(
                 merged=f" (from {join_names(links)}, which Gazebo merges)" if len(links) > 1 else "",
                 included="" if include is None else ", because their file is included more than once",
                 rest="the second is" if len(alike) == 2 else "all but the first are",
-                repair=_describe_renaming(first, second, include),
+                repair=_describe_renaming(alike, include),
             )
 
 
@@ -264,12 +264,27 @@ def _find_include(element: Element, model: Model) -> Span | None:
     return place if is_include else None
 
 
-def _describe_renaming(first: Element, second: Element, include: Span | None) -> str:
+def _describe_renaming(alike: Sequence[GazeboSensor], include: Span | None) -> str:
     if include is not None:
         return "delete one of the includes"
+    first, second = (sensor.element for sensor in alike[:2])
+    if len(alike) == 2 and alike[0].reference == alike[1].reference and _is_copy(first, second):
+        return "delete one of the two: they are equal"
     if first.span == second.span and second.via:
         return "use a parameter of the macro in the name, so that it differs in each call"
     return "give each sensor its own name"
+
+
+def _is_copy(one: Element, other: Element) -> bool:
+    """Whether two elements say the same."""
+    texts = [
+        [
+            (e.tag, e.text.split(), {name: attribute.value for name, attribute in e.attributes.items()})
+            for e in root.walk()
+        ]
+        for root in (one, other)
+    ]
+    return texts[0] == texts[1]
 
 
 def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction) -> bool:
