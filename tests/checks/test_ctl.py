@@ -486,7 +486,17 @@ def test_a_control_block_inside_another_element_is_not_read(tmp_path: Path, tag:
 def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: str) -> None:
     body = f'<transmission name="t">{transmission}</transmission>'
     assert nesting(tmp_path / "a", body + CLASSIC) == [(message, "error")]
+    (tmp_path / "b").mkdir()
+    (tmp_path / "b" / "load.launch").write_text('<launch><node pkg="controller_manager"/></launch>')
     assert nesting(tmp_path / "b", body) == [(message, "warning")]
+    assert nesting(tmp_path / "c", body) == [(message, "info")]
+
+
+def test_a_second_block_of_the_same_joints_is_deleted(tmp_path: Path) -> None:
+    run = check_text(tmp_path, make_cart(f"{control()}<gazebo>{control()}</gazebo>"), codes={"CTL003"})
+    (finding,) = run.findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete it: ros2_control[")
 
 
 def test_a_transmission_beside_ros2_control_needs_no_type(tmp_path: Path) -> None:

@@ -525,6 +525,22 @@ def test_a_part_that_is_turned_is_a_warning(tmp_path: Path, rpy: str, severity: 
     assert finding.severity == severity
 
 
+def test_a_shape_where_a_neighbour_is_drawn_may_be_meant_for_it(tmp_path: Path) -> None:
+    far = box("collision", "0.1 0.1 0.3", "0 0 0.5")
+    parts = [
+        link("base", box("visual", "0.1 0.1 0.1") + far),
+        link("arm", box("visual", "0.1 0.1 0.3") + box("collision", "0.1 0.1 0.3")),
+        make_joint("base", "arm", "revolute", "0.3 0 0.5"),
+    ]
+    (alone,) = find(tmp_path / "alone", robot("".join(parts)), "GEO003")
+    assert alone.severity is Severity.WARNING
+    parts[-1] = make_joint("base", "arm", "revolute", "0 0.05 0.5")
+    (finding,) = find(tmp_path / "there", robot("".join(parts)), "GEO003")
+    assert (finding.message_id, finding.severity) == ("apart", Severity.INFO)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if it is meant for arm, which is drawn there; otherwise give")
+
+
 @pytest.mark.parametrize(("radius", "height", "found"), [(0.06, 0.15, False), (0.06, 0.6, True), (0.5, 0.15, True)])
 def test_a_neighbour_that_stands_for_a_part_covers_it(
     tmp_path: Path, radius: float, height: float, found: bool

@@ -117,6 +117,19 @@ def test_a_plugin_of_classic_matters_to_robots_of_ros_2(
     assert finding.severity == severity
 
 
+def test_a_project_that_starts_classic_needs_its_plugins(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text(MANIFEST.format("<depend>ros_gz_sim</depend>"))
+    (tmp_path / "classic.launch.py").write_text("Node(package='gazebo_ros', executable='spawn_entity.py')")
+    (finding,) = find(tmp_path, robot(ARM, CLASSIC), "GZB002")
+    assert finding.severity == Severity.INFO
+    (tmp_path / "package.xml").write_text(MANIFEST.format("<export><build_type>ament_cmake</build_type></export>"))
+    (finding,) = find(tmp_path, robot(ARM, CLASSIC, ROS1_PLUGIN), "GZB002")
+    assert (finding.severity, finding.fix and finding.fix.title) == (
+        Severity.WARNING,
+        "for Gazebo Classic in ROS 2, replace gazebo_ros_laser by gazebo_ros_ray_sensor",
+    )
+
+
 def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
     body = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
     (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
@@ -610,6 +623,15 @@ def test_sensors_of_one_name_are_counted(tmp_path: Path, body: str, repair: str)
     assert finding.fix.title == repair
 
 
+def test_one_of_two_equal_sensors_is_one_too_many(tmp_path: Path) -> None:
+    sensor = '<sensor name="imu" type="imu"><update_rate>{}</update_rate></sensor>'
+    for rate, repair in (("30", "delete one of the two: they are equal"), ("50", "give each sensor its own name")):
+        body = block("a", sensor.format(30), sensor.format(rate))
+        (finding,) = find(tmp_path / rate, robot(ARM, body), "GZB004")
+        assert finding.fix is not None
+        assert finding.fix.title == repair
+
+
 # -- control ------------------------------------------------------------------------------------------------------------
 
 
@@ -625,7 +647,7 @@ def test_a_name_without_the_dollar_sign_of_its_expression_needs_that(tmp_path: P
 @pytest.mark.parametrize(
     ("names", "repair"),
     [
-        (("FLK", "FRK"), "write FL_KFE, FR_KFE for FLK, FRK, delete the entries"),
+        (("FLK", "FRK"), "write FL_KFE, FR_KFE for FLK, FRK"),
         (("FLK", "FL_KFE"), "write the joints of this robot"),  # that of the other leg is left
         (("FLK", "abad"), "write the joints of this robot"),
         (("FLK",), "write the joints of this robot"),
@@ -642,7 +664,7 @@ def test_short_forms_of_the_joints_that_are_left_are_those(tmp_path: Path, names
 def test_what_a_transmission_without_a_type_lacks_is_one_finding(tmp_path: Path) -> None:
     bare = '<transmission name="t"><joint name="joint"/><actuator name="m"/></transmission>'
     (finding,) = find(tmp_path, robot(ARM, bare.replace('"joint"', '"j"')), "CTL003")
-    assert (finding.message_id, finding.severity) == ("type", Severity.WARNING)
+    assert (finding.message_id, finding.severity) == ("type", Severity.INFO)  # nothing here names ros_control
     assert finding.fix is not None
     assert finding.fix.title == (
         "add <type>transmission_interface/SimpleTransmission</type>, a <hardwareInterface> in the <joint>; "
@@ -669,7 +691,7 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
         "drives.xacro": robot(f'<xacro:macro name="drives">{block}</xacro:macro>', xacro=True),
         "arm.urdf.xacro": robot(ARM, include, call, xacro=True),
         "block.urdf.xacro": robot(include, call, xacro=True),
-        "cart.urdf.xacro": robot(link("base"), include, call, xacro=True),
+        "cart.urdf.xacro": robot(link("base"), link("tool"), include, call, xacro=True),
     }
     (finding,) = find(tmp_path, files, "CTL001", name="cart.urdf.xacro")
     assert finding.location.span is not None

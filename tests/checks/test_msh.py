@@ -231,7 +231,7 @@ def test_an_accessor_that_counts_too_many_vectors_has_no_repair_by_a_number(tmp_
     finding = find_broken(tmp_path, "part.dae", content)
     assert "counts 15 numbers, and its array has 12; Assimp refuses it" in finding.message
     assert finding.fix is not None
-    assert finding.fix.title == "export or download the file again"
+    assert finding.fix.title == "export, download or generate the file again"
 
 
 def test_entities_are_an_error_only_where_assimp_refuses_them_too(tmp_path: Path) -> None:
@@ -1002,3 +1002,14 @@ def test_a_mesh_that_is_too_flat_is_an_error_for_mujoco_only(tmp_path: Path) -> 
         assert finding.severity is severity
     for other in (shape("visual"), shape("collision", scale="1 1 0")):
         assert not find_in_mesh(tmp_path, "MSH015", QUAD, other)
+
+
+@pytest.mark.parametrize("folder", ["urdf", "test"])
+def test_a_broken_mesh_may_be_what_a_test_needs(tmp_path: Path, folder: str) -> None:
+    (tmp_path / folder).mkdir()
+    (tmp_path / folder / "part.stl").write_text("This is not a valid STL file.")
+    text = '<robot name="r"><link name="a"><visual><geometry><mesh filename="part.stl"/></geometry></visual></link></robot>'
+    (tmp_path / folder / "r.urdf").write_text(text)
+    (finding,) = check(tmp_path / folder / "r.urdf", codes={"MSH001"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("keep it if the test needs") == (folder == "test")

@@ -299,7 +299,7 @@ def test_a_drive_that_other_robots_include_becomes_an_argument(tmp_path: Path) -
     assert alone.fix is not None
     assert shared.fix is not None
     assert alone.fix.title.endswith("or correct the wheels' places")
-    assert shared.fix.title.endswith("; large.urdf.xacro includes this file too: make the number an argument")
+    assert shared.fix.title.endswith("; large.urdf.xacro includes this file too: make it an argument")
 
 
 # -- control blocks: CTL001, CTL004, CTL005, JNT007 ------------------------------------------------------------------------
@@ -318,7 +318,9 @@ def test_transmissions_of_a_part_on_show_drive_nothing(
     block = TRANSMISSION.format("somewhere_else")
     if by_macro:
         block = f'<xacro:macro name="part">{block}</xacro:macro><xacro:part/>'
-    (finding,) = find(tmp_path, robot(link("base"), block, plugin, xacro=True), "CTL001", name="r.urdf.xacro")
+    (finding,) = find(
+        tmp_path, robot(link("base"), link("arm"), block, plugin, xacro=True), "CTL001", name="r.urdf.xacro"
+    )
     assert (finding.message_id, finding.severity) == ("transmission-strange", severity)
 
 

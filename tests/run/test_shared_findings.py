@@ -229,13 +229,14 @@ class TestModels:
             "link[r]/inertial/inertia",
         ]
 
-    def test_calls_that_are_wrong_in_two_models_are_two_occurrences(self, tmp_path: Path) -> None:
+    def test_calls_that_are_wrong_in_two_models_are_two_findings(self, tmp_path: Path) -> None:
         """The line is right for a small disc in the same model: the numbers of the calls are to blame."""
         macros = FORMULA.replace("${m * 0.9}", "${m * 0.9 if m > 0.5 else m * 0.1}")
         body = disc() + disc("small", "0.1") + JOINT.format("small").replace("base", "wheel")
-        (found,) = find(write_robots(tmp_path, macros, a=body, b=body)).findings
-        assert [(own.model, own.variants) for own in found.occurrences] == [("a.urdf.xacro", {}), ("b.urdf.xacro", {})]
-        assert list(found.variants) == ["a.urdf.xacro", "b.urdf.xacro"]
+        found = find(write_robots(tmp_path, macros, a=body, b=body)).findings
+        assert [(own.model, Path(own.location.file).name) for own in found] == [
+            (f"{name}.urdf.xacro",) * 2 for name in "ab"
+        ]
 
     def test_what_each_model_types_itself_is_an_occurrence_in_each(self, tmp_path: Path) -> None:
         """The macro hands the number on: both calls are to be repaired."""

@@ -110,3 +110,50 @@ def test_a_name_of_a_call_but_not_the_element_that_has_it(tmp_path: Path) -> Non
     places = {finding.code: get_place(finding, tmp_path)[1] for finding in found}
     assert places["KIN002"] == "bse"
     assert "INR001" not in places or places["INR001"].startswith("<link")
+
+
+WIDE = (
+    '<xacro:macro name="disc" params="name m:=1">\n<link name="${name}"><inertial><mass value="1"/>\n'
+    '<inertia ixx="${0.1 * m}" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial></link></xacro:macro>\n'
+)
+PAIR = (
+    '<xacro:macro name="pair" params="side m:=1">\n<xacro:disc name="${side}_a" m="${m}"/>\n'
+    '<xacro:disc name="${side}_b"/>\n</xacro:macro>\n'
+)
+
+
+@pytest.mark.parametrize(
+    ("calls", "place"),
+    [
+        ('<xacro:disc name="good"/>\n<xacro:disc name="bad" m="9"/>', '<xacro:disc name="bad" m="9"/>'),
+        ('<xacro:pair side="l"/>\n<xacro:pair side="r" m="9"/>', '<xacro:pair side="r" m="9"/>'),
+        ('<xacro:pair side="l" m="9"/>\n<xacro:pair side="r" m="9"/>', '<xacro:disc name="${side}_a" m="${m}"/>'),
+        ('<xacro:disc name="bad" m="9"/>', '<inertia ixx="${0.1 * m}" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/>'),
+    ],
+    ids=["of two calls", "of the calls around them", "in a macro that is called twice", "the only call"],
+)
+def test_the_call_of_a_macro_that_is_right_for_others(tmp_path: Path, calls: str, place: str) -> None:
+    found = find(tmp_path, WIDE + PAIR + calls).findings
+    assert {get_place(own, tmp_path)[1] for own in found} == {place}
+    assert all(own.location.via for own in found)
+    assert place.startswith("<inertia") or all(own.location.via[-1].line == 3 for own in found)
+
+
+def test_elements_of_a_call_stay_findings_of_their_own(tmp_path: Path) -> None:
+    second = WIDE.partition("\n")[2].replace('"${name}"', '"${name}_2"').replace("0.1 * m", "0.2 * m")
+    two = WIDE.replace("</xacro:macro>", second)
+    calls = '<xacro:disc name="good"/>\n<xacro:disc name="bad" m="${3 * 3}"/>'
+    (found,) = find(tmp_path, two + calls).findings
+    assert [own.subjects for own in found.list_occurrences()] == [
+        (f"link[{name}]/inertial/inertia",) for name in ("bad_2", "bad")
+    ]
+
+
+@pytest.mark.parametrize("line", ["<inertia ixx", '<xacro:disc name="bad"'], ids=["macro", "call"])
+def test_a_comment_suppresses_at_the_line_and_at_its_call(tmp_path: Path, line: str) -> None:
+    body = WIDE + '<xacro:disc name="good"/>\n<xacro:disc name="bad" m="9"/>'
+    comment = "<!-- urdfcheck: ignore[INR003] measured -->\n"
+    (found,) = find(tmp_path, body.replace(line, comment + line)).findings
+    assert (found.code, found.suppressed is not None) == ("INR003", True)
+    (plain,) = find(tmp_path, body).findings
+    assert plain.fingerprints == found.fingerprints

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
@@ -14,12 +14,16 @@ from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.uses_elsewhere import find_other_includers
 
+# What becomes of transmissions where the model has no plugin that reads them.
+_UNREAD = {"gazebo": "loads it: no plugin of the model reads transmissions"}
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    if not model.links and not model.joints:
+    if not model.joints and len(model.links) <= 1:
         return  # the block alone, as a test expands it
     for tag in ("ros2_control", "transmission"):
-        severity = Severity.WARNING if tag == "transmission" and not reads_transmissions(model) else None
+        is_unread = tag == "transmission" and not reads_transmissions(model)
+        severity, consequences = (Severity.WARNING, _UNREAD) if is_unread else (None, None)
         foreign: list[Attribute] = []
         taken: set[str] = set()
         free = model.joint_by_name.keys() - _collect_named_joints(model, tag)
@@ -34,19 +38,30 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     continue
                 meant = find_only_near_name(name.value, free, SLIP_LIKENESS)
                 taken |= {meant or ""}
+                others = _find_other_robots(model, name)
                 yield rule.finding(
                     tag,
                     at=name,
                     severity=severity,
                     related=name.collect_definitions(),
-                    edits=edit_value(name, meant) if meant is not None else (),
+                    edits=edit_value(name, meant) if meant is not None and not others else (),
+                    consequences=consequences,
                     joint=name.value,
                     block=block.get("name"),
                     near=hint,
+                    shared=f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too"
+                    if others
+                    else "",
                 )
         if foreign:
             left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
-            yield _build_foreign_finding(model, rule, tag, foreign, left, severity=severity)
+            yield _build_foreign_finding(model, rule, tag, foreign, left, severity=severity, consequences=consequences)
+
+
+def _find_other_robots(model: Model, name: Attribute) -> list[str]:
+    """List the other files that include the one with a name: there it may be right."""
+    span, via = name.span, name.location.via
+    return find_other_includers(model.source, span.file) if span is not None and via else []
 
 
 def _collect_named_joints(model: Model, tag: str) -> set[str]:
@@ -56,18 +71,25 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
 
 
 def _build_foreign_finding(
-    model: Model, rule: Rule, tag: str, names: list[Attribute], left: list[str], *, severity: Severity | None
+    model: Model,
+    rule: Rule,
+    tag: str,
+    names: list[Attribute],
+    left: list[str],
+    *,
+    severity: Severity | None,
+    consequences: Mapping[str, str] | None,
 ) -> Finding:
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     typed = list(dict.fromkeys(name.value for name in names))
-    span, via = names[0].span, names[0].location.via
-    others = find_other_includers(model.source, span.file) if span is not None and via else []
+    others = _find_other_robots(model, names[0])
     finding = rule.finding(
         f"{tag}-strange",
         # The numbers of a file that other robots include may be right for them.
-        at=Location(names[0].location.subject, via[0]) if others else names[0],
+        at=Location(names[0].location.subject, names[0].location.via[0]) if others else names[0],
         severity=severity,
+        consequences=consequences,
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
@@ -90,8 +112,14 @@ def _describe_repair(tag: str, names: list[str], left: list[str], others: list[s
         return (
             f"leave out these {entries} here, or make their names arguments; they may be right for {join_names(others)}"
         )
-    own = f"write {join_names(meant)} for {join_names(names)}" if meant else "write the joints of this robot"
-    return f"{own}, delete the {entries}, or move them to the part that has these joints"
+    if meant:
+        return f"write {join_names(meant)} for {join_names(names)}"
+    # Without a joint that is left, no name of the robot can be written.
+    return (
+        f"write the joints of this robot, or delete the {entries}"
+        if left
+        else f"delete the {entries}, or move them to the part that has these joints"
+    )
 
 
 def _pair_shortened_names(names: list[str], left: list[str]) -> list[str]:

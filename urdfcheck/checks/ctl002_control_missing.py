@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
@@ -124,38 +124,23 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
                 message, at=element, severity=severity, related=[joint.mimic], joint=joint.name, leader=leader
             )
     for what, elements in held.items():
-        driven = [element for _, _, kind, element in commanded if kind == what and element not in elements]
-        yield _build_fixed_finding(model, rule, what, elements, driven)
+        yield _build_fixed_finding(model, rule, what, elements)
 
 
-def _build_fixed_finding(
-    model: Model, rule: Rule, what: str, elements: Sequence[Element], driven: Sequence[Element]
-) -> Finding:
-    """Report what commands fixed joints: where a line of a macro does so, and is right for the ``driven`` ones, at its calls."""
+def _build_fixed_finding(model: Model, rule: Rule, what: str, elements: Sequence[Element]) -> Finding:
+    """Report together what commands fixed joints."""
     joints = [model.joint_by_name[element.get("name")] for element in elements]
-    calls = [_find_call(element, driven) for element in elements]
-    places = [element.location if call is None else call for element, call in zip(elements, calls, strict=True)]
     finding = rule.finding(
         "fixed",
-        at=places[0],
+        at=elements[0],
         severity=Severity.WARNING,
-        related=[*places[1:], *joints],
+        related=[*elements[1:], *joints],
         joints=join_names(joint.name for joint in joints),
         count="1 fixed joint has" if len(joints) == 1 else f"{len(joints)} fixed joints have",
         what=what,
         verb="is fixed and cannot move, but has" if len(joints) == 1 else "are fixed and cannot move, but have",
-        repair=f"delete the {what}, or make the joint movable"
-        if not any(calls)
-        else f"if the joint is to move, pass its type in the call; otherwise leave the {what} of fixed joints out of the macro",
+        repair=f"if the joint is to move, change its type; otherwise leave out its {what}"
+        if len(joints) == 1
+        else f"change the types of the joints that are to move, and leave out the {what}s of the others",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.location.subject for element in elements)))
-
-
-def _find_call(element: Element, driven: Sequence[Element]) -> Location | None:
-    """Return the innermost call of a macro by which an element differs from one of the same line for a joint that moves."""
-    for other in driven:
-        calls = zip(reversed(element.via), reversed(other.via), strict=False)
-        for depth, (call, there) in enumerate(calls, start=1):
-            if element.span == other.span and call != there:
-                return Location(element.subject, call, element.via[:-depth])
-    return None

@@ -11,6 +11,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.gazebo import reads_transmissions
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.repairs.edits import edit_content
+from urdfcheck.model.simulation_use import names_ros_control
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Element
 
@@ -31,6 +32,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     is_ros1 = simulated or not _is_for_ros2(model)
     severity = None if simulated else Severity.WARNING
     yield from _check_nesting(model, rule, severity=severity)
+    if severity is not None and not names_ros_control(model):
+        severity = Severity.INFO
     driven = _list_driven_joints(model)
     for transmission in model.robot.find_children("transmission"):
         yield from _check_type(rule, transmission, severity=severity, is_ros1=is_ros1)
@@ -68,7 +71,21 @@ def _check_nesting(model: Model, rule: Rule, *, severity: Severity | None) -> It
                 severity=severity if element.tag == "transmission" else None,
                 name=element.get("name"),
                 around=around.label,
+                repair=_describe_move(model, element, around),
             )
+
+
+def _describe_move(model: Model, block: Element, around: Element) -> str:
+    """Say where a block belongs; if one is there that has its joints, a second one is one too many."""
+    joints = _collect_joints(block)
+    placed = [other for other in model.robot.find_children(block.tag) if joints & _collect_joints(other)]
+    if placed:
+        return f"delete it: {placed[0].label}, directly in <robot>, has these joints"
+    return f"move the block out of {around.label}, directly into <robot>"
+
+
+def _collect_joints(block: Element) -> set[str]:
+    return {joint.get("name") for joint in block.find_children("joint")}
 
 
 def _has_type(transmission: Element) -> bool:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Finding, Located, Location, Rule, Severity
+from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
@@ -34,6 +35,8 @@ from urdfcheck.source.text.yaml.values import YamlValue
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
+# A path into an installed package.
+_INSTALLED = re.compile(r"/share/([\w-]+)/(.+)$")
 _BARE = "; and no launch file here is seen to run xacro on this .urdf: without it the plugin gets `$(find …)` as it is typed"
 OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tricycle_controller/TricycleController"})
 
@@ -55,7 +58,7 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
             yield from _check_command_interfaces(model, rule, config)
         yield from _check_gpios(model, rule, config)
     for config in configs:
-        if _is_left_over(model, config, named=named):
+        if named is not None and _is_left_over(model, config):
             continue
         for controller in config.configuration.controllers:
             # Without a reference to the file, wheels of this name on another robot may be meant.
@@ -90,7 +93,7 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
             )
         elif parameters.literal and parameters.text.startswith("/"):
             portable = _find_portable_path(model, parameters)
-            package, below = ("package", "config/…") if portable is None else portable
+            package, below = portable or _read_package_in_path(model, parameters.text) or ("package", "config/…")
             is_certain = model.source.is_xacro and portable is not None
             text = f"$(find {package})/{below}"
             yield rule.finding(
@@ -130,6 +133,17 @@ def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, s
     return package.name, path.relative_to(package.path).as_posix()
 
 
+def _read_package_in_path(model: Model, path: str) -> tuple[str, str] | None:
+    """Read a package and a path in it from the path of another machine: behind ``share/``, or of a package that is known."""
+    installed = _INSTALLED.search(path)
+    if installed is not None:
+        return installed[1], installed[2]
+    parts = path.strip("/").split("/")
+    known = (number for number, part in enumerate(parts[:-1]) if model.source.finder.find(part) is not None)
+    at = max(known, default=None)
+    return None if at is None else (parts[at], "/".join(parts[at + 1 :]))
+
+
 def _check_unknown_joints(
     model: Model, rule: Rule, config: AssociatedConfiguration, *, elsewhere: PackageNames, named: Path | None
 ) -> Iterator[Finding]:
@@ -146,30 +160,34 @@ def _check_unknown_joints(
     uses = _collect_unknown_joints(model, config.configuration.controllers, known=known, elsewhere=elsewhere)
     if uses and config.named_at is None and _is_for_another_model(model, config):
         return
-    is_left_over = bool(uses) and _is_left_over(model, config, named=named)
+    is_unloaded = bool(uses) and _is_left_over(model, config)
     # A joint that another controller of the file names is meant there, and two names do not mean one joint.
     unnamed = frozenset(model.joint_by_name) - config.configuration.joint_names
     nearest = Counter(find_nearest_name(name, unnamed) for name in [*uses][:MOST_HINTS])
     unnamed -= {near for near, times in nearest.items() if near is not None and times > 1}
     for index, (name, places) in enumerate(uses.items()):
         free = unnamed if index < MOST_HINTS else frozenset[str]()
-        near = find_only_near_name(name, free)
+        near, hint = find_only_near_name(name, free), format_name_hint(name, free)
+        # If the robot names no file, one with a misspelt name of its joints is the robot's.
+        is_left_over = is_unloaded and (named is not None or not hint)
         yield rule.finding(
             "left-over" if is_left_over else "unknown",
             at=places[0][1],
-            severity=Severity.INFO if is_left_over else None,
+            severity=None if not is_left_over else Severity.WARNING if named is None else Severity.INFO,
             related=[*(value for _, value in places[1:]), *_to_list(config.named_at)],
             edits=[edit for _, value in places for edit in value.build_edits(near)] if near is not None else (),
             controller=join_names(dict.fromkeys(controller.name for controller, _ in places)),
             joint=name,
-            near=format_name_hint(name, free),
-            other="" if named is None else named.name,
+            near=hint,
+            why="no launch file here names this file"
+            if named is None
+            else f"the robot names {named.name} as its controllers, and no launch file here names this file",
         )
 
 
-def _is_left_over(model: Model, config: AssociatedConfiguration, *, named: Path | None) -> bool:
-    """Whether the robot names another file, and neither a launch file nor a semantic description shows that it loads this one."""
-    if named is None or config.named_at is not None or semantic_descriptions(model):
+def _is_left_over(model: Model, config: AssociatedConfiguration) -> bool:
+    """Whether neither the robot, nor a launch file, nor a semantic description shows that it loads this file."""
+    if config.named_at is not None or semantic_descriptions(model):
         return False
     from urdfcheck.source.launch.model_launches import may_load_yaml  # few robots have a file that they do not name
 
@@ -244,7 +262,14 @@ def _check_command_interfaces(model: Model, rule: Rule, config: AssociatedConfig
             if joint.type == "fixed":
                 yield rule.finding("fixed", at=value, related=[joint], **data)
             elif not offered.get(value.text):
-                yield rule.finding("uncommanded", at=value, related=[joint], **data)
+                follows = joint.mimic is not None
+                repair = (
+                    f"remove {joint.name} from the controller: it follows another joint by <mimic>"
+                    if follows
+                    else f'add <joint name="{joint.name}"> with <command_interface name="{data["kind"]}"/> to the ros2_control '
+                    "block, or remove the joint from the controller"
+                )
+                yield rule.finding("uncommanded", at=value, related=[joint], repair=repair, **data)
             else:
                 kinds = ", ".join(sorted(offered[value.text]))
                 yield rule.finding("interface", at=value, severity=Severity.WARNING, related=[joint], own=kinds, **data)
@@ -308,7 +333,7 @@ def _check_wheel_geometry(
                 at=typed,
                 related=[model.joint_by_name[name] for name in names],
                 severity=Severity.WARNING,
-                edits=typed.build_edits(keep_notation(typed.text, f"{real:.4g}")),
+                edits=_build_size_edits(typed, real, sizes, rel_tol=rel_tol),
                 controller=controller.name,
                 value=value,
                 real=real,
@@ -336,7 +361,7 @@ def _check_other_drive(
                 at=typed,
                 related=[model.joint_by_name[name] for name in drive.joints],
                 severity=Severity.WARNING,
-                edits=typed.build_edits(keep_notation(typed.text, f"{real:.4g}")),
+                edits=_build_size_edits(typed, real, sizes, rel_tol=rel_tol),
                 controller=controller.name,
                 key=key,
                 value=value,
@@ -344,6 +369,12 @@ def _check_other_drive(
                 off=abs(value - real) / real,
                 joints=join_names(drive.joints),
             )
+
+
+def _build_size_edits(typed: YamlValue, real: float, sizes: Sequence[float], *, rel_tol: float) -> list[Edit]:
+    """Return the edits that write a size, if all that the model shows agree on it."""
+    agrees = max(sizes) - min(sizes) <= rel_tol * min(sizes)
+    return [*typed.build_edits(keep_notation(typed.text, f"{real:.4g}"))] if agrees else []
 
 
 def _to_list(place: Located | None) -> list[Located]:

@@ -16,6 +16,15 @@ _TAGS = frozenset({"hardware", "properties", "joint", "sensor", "gpio", "transmi
 _TYPES = ("system", "sensor", "actuator")
 _COMPONENTS = frozenset({"joint", "sensor", "gpio"})
 _INTERFACES = frozenset({"command_interface", "state_interface"})
+# Where the elements belong that are typed directly in a block.
+_HOMES = {
+    "param": "the <hardware>, or the joint that it is for",
+    "plugin": "a <hardware>",
+    "command_interface": "its <joint>",
+    "state_interface": "its <joint>",
+}
+_OWN_NAMES = "give each block its own name, for example with the prefix of the arm"
+_CHOSEN = "pass the arguments that choose a <hardware>, or add one for these"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
@@ -25,17 +34,27 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _check_block(model, rule, block)
         name = block.get("name").strip()
         if name and name in first:
-            yield rule.finding("duplicate", at=block, related=[first[name]], name=name)
+            shared = _find_shared_component(first[name], block)
+            repair = f"delete one of the two: both have {shared}" if shared else _OWN_NAMES
+            yield rule.finding("duplicate", at=block, related=[first[name]], name=name, repair=repair)
         first.setdefault(name, block)
         for element in block.children:
             if element.tag not in _TAGS:
                 near = format_name_hint(element.tag, _TAGS)
-                yield rule.finding("tag", at=element, name=name, tag=element.tag, near=near)
+                home = _HOMES.get(element.tag)
+                repair = f"delete the element, or correct its tag{near}" if home is None else f"move it into {home}"
+                yield rule.finding("tag", at=element, name=name, tag=element.tag, near=near, repair=repair)
             elif element.tag in _COMPONENTS:
                 yield from _check_component(model, rule, block, element)
             elif element.tag == "transmission":
                 yield from _check_transmission(model, rule, element)
         yield from _check_repeated_components(rule, block)
+
+
+def _find_shared_component(one: Element, other: Element) -> str:
+    """Return the label of a component that two blocks have; empty for none."""
+    labels = {element.label for element in one.children if element.tag in _COMPONENTS}
+    return next((e.label for e in other.children if e.label in labels), "")
 
 
 def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
@@ -55,6 +74,7 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
             severity=Severity.WARNING if depends else None,
             name=block.get("name"),
             when=" with these arguments" if depends else "",
+            repair=_CHOSEN if depends else "add `<hardware><plugin>package/Class</plugin></hardware>`",
         )
     for element in hardware:
         yield from _require_plugin(model, rule, element, block.get("name"))

@@ -67,36 +67,9 @@ def _check_values(
             )
     low, high = values.get("min"), values.get("max")
     if low is not None and high is not None and low[0] > high[0]:
-        at, repair = low[1], "swap min and max"
-        call = _find_own_call(model, interface)
-        if call is not None:
-            typed = {parse_number(attribute.value) for attribute in call.attributes.values()}
-            at = Location(interface.subject, call.span, interface.via[: interface.via.index(call.span)])
-            repair = "swap the two values" if {low[0], high[0]} <= typed else "correct the values"
-            repair += " in this call: another call of the macro has them in order"
-        yield rule.finding("inverted", at=at, related=[high[1]], low=low[0], high=high[0], where=where, repair=repair)
+        yield rule.finding("inverted", at=low[1], related=[high[1]], low=low[0], high=high[0], where=where)
     elif joint is not None and joint.position_range is not None and interface.get("name") == "position":
         yield from _check_positions(rule, interface, joint, values, joint.position_range, rel_tol=rel_tol)
-
-
-def _find_own_call(model: Model, interface: Element) -> Element | None:
-    """Return the macro call that gives an interface its limits, if another call of the macro gives it some in order."""
-    twins = [
-        other
-        for block in model.robot.find_children("ros2_control")
-        for other in block.walk()
-        if other.span == interface.span and _has_limits_in_order(other)
-    ]
-    shared = {span for twin in twins for span in twin.via}
-    own = next((span for span in reversed(interface.via) if span not in shared), None) if twins else None
-    calls = (element for tree in model.source.trees.values() for element in tree.walk() if element.span == own)
-    return next(calls, None) if own is not None else None
-
-
-def _has_limits_in_order(interface: Element) -> bool:
-    texts = {param.get("name").strip(): param.text.strip() for param in interface.find_children("param")}
-    low, high = (parse_number(texts.get(key, "")) for key in _LIMITS)
-    return low is not None and high is not None and low <= high
 
 
 def _describe_number_repair(text: str, *, is_xacro: bool) -> str:

@@ -21,6 +21,7 @@ _TRUE_POSE = {
 # No ground makes the track of a skid steer so much narrower than it is.
 _NARROW = 0.6
 
+_UNNAMED = "write the names of the joints of this robot's wheels, or delete the plugin if something else drives it"
 _NO_WHEELS = "give the robot wheels with continuous joints of these names (no joint of it moves), or delete the plugin"
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
 def _check_plugin(
     model: Model, rule: Rule, plugin: DrivePlugin, plugins: Sequence[DrivePlugin], rel_tol: float
 ) -> Iterator[Finding]:
+    if not model.joints:
+        return  # a part alone
     left, right = plugin.left, plugin.right
     unknown = [element for element in (*left, *right) if element.text.strip() not in model.joint_by_name]
     turning = {name for name, joint in model.joint_by_name.items() if joint.type != "fixed"}
@@ -49,7 +52,8 @@ def _check_plugin(
             or format_name_hint(name, free)
             or _format_fixed_hint(name, set(model.joint_by_name) - turning)
         )
-        repair = f"write the name of a joint of the robot{near}" if turning else _NO_WHEELS
+        repair = f"write the name of a joint of the robot{near}" if near else _UNNAMED if turning else _NO_WHEELS
+        repair += _describe_other_users(model, element, ())
         yield rule.finding("unknown", at=element, severity=Severity.ERROR, joint=name, near=near, repair=repair)
     fixed = [element for element in (*left, *right) if element.text.strip() in set(model.joint_by_name) - turning]
     if fixed:
@@ -181,9 +185,9 @@ def _compare(
 def _describe_other_users(model: Model, element: Element, wheels: Sequence[str]) -> str:
     """Say which other robots include the file that a plugin is in without its wheels: a number may not fit them."""
     files = {span.file for name in wheels if (span := model.joint_by_name[name].element.span) is not None}
-    if element.span is None or element.span.file in files:
+    if element.span is None or element.span.file in files or not element.via:
         return ""
     others = find_other_includers(model.source, element.span.file)
     if not others:
         return ""
-    return f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too: make the number an argument"
+    return f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too: make it an argument"

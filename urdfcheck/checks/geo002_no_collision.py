@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 
 # What MuJoCo does where the file tells it to keep visuals (checked with MuJoCo 4.0).
+_UNUSED = "No SRDF was found in its package, and no file there names the model beside a simulator"
 _KEPT = "draws the link, but nothing touches it"
 
 
@@ -40,7 +41,9 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
         if model.masses and not any(declared.mass for declared in model.masses):
             return  # made to be drawn: INR002 reports the masses of 0
         what = f"robot {model.name}" if model.name else "the robot"
-        is_used = semantic_descriptions(model) or (_has_inertials(model, moving) and is_started_in_simulator(model))
+        is_fixed = model.tree.order[0] == "world"
+        is_simulated = _has_inertials(model, moving) and is_started_in_simulator(model)
+        is_used = semantic_descriptions(model) or (is_simulated and not is_fixed)
         yield rule.finding(
             "aside" if is_left_aside(model) else "none" if is_used else "drawing",
             at=model.name_location,
@@ -48,6 +51,7 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
             robot=model.name,
             what=what,
             bodies=len(moving),
+            why="It is fixed to the world, so that it needs nothing to stand on" if is_simulated else _UNUSED,
         )
         return
     bare = [body for body in moving if not has_collision_geometry(model, body)]
@@ -68,12 +72,23 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
     paired = _find_paired_bodies(model, [body for body in missing if body not in between], counterparts)
     if paired:
         yield _build_list_finding(model, rule, "pairs", paired)
-    for body in missing:
-        if body in between or body in paired:
+    rest = [body for body in missing if body not in between and body not in paired]
+    carried = [] if is_started_in_simulator(model) else [body for body in rest if _is_on_bare_base(model, body)]
+    if carried:
+        yield _build_list_finding(model, rule, "carried", carried)
+    for body in rest:
+        if body in carried:
             continue
         link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
         yield rule.finding("missing", at=link, link=link.name, joint=joint.name, bodies=len(moving) - len(bare))
+
+
+def _is_on_bare_base(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a body hangs on the root's body, and that is drawn without a collision, too."""
+    base = model.tree.list_body_links(model.tree.order[0])
+    before = model.tree.parent_joint[body.links[0]].parent
+    return before in base and not _collides(model, before) and any(model.link_by_name[name].visuals for name in base)
 
 
 def _build_list_finding(

@@ -66,6 +66,12 @@ class _BoxPair:
         return float(shared / min((a[1] - a[0]).prod(), (b[1] - b[0]).prod()))
 
     @property
+    def is_one_shape(self) -> bool:
+        """Whether both boxes have the same edges, about."""
+        edges = [box[1] - box[0] for box in (self.visual_box, self.collision_box)]
+        return bool((np.abs(edges[0] - edges[1]) <= _SAME_SHAPE * np.maximum(*edges)).all())
+
+    @property
     def offset(self) -> float:
         """The distance between the middles of the boxes in m."""
         return float(np.linalg.norm(self.collision_box.mean(axis=0) - self.visual_box.mean(axis=0)))
@@ -165,13 +171,20 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
             owner = None if units else _find_owner(model, body, link)
             is_token = message == "size" and not units and _is_token(model, link, pair)
             keeps_room = message == "size" and not units and owner is None and _keeps_room(link, pair)
+            meant = _find_drawn_neighbour(model, body, link, pair) if message == "apart" and owner is None else None
             repair = _describe_repair(message, pair, owner)
+            if keeps_room:
+                repair = f"nothing if more room is meant to be kept; otherwise {repair}"
+            elif meant is not None:
+                repair = f"nothing if it is meant for {meant.name}, which is drawn there; otherwise {repair}"
             yield rule.finding(
                 "token" if is_token else message,
                 at=_locate(link, message),
-                severity=Severity.INFO if is_token or keeps_room else None,
+                severity=Severity.INFO
+                if is_token or meant is not None or (keeps_room and len(link.collisions) > 1)
+                else None,
                 cause="units" if units else "neighbour" if owner else None,
-                repair=f"nothing if more room is meant to be kept; otherwise {repair}" if keeps_room else repair,
+                repair=repair,
                 owner=owner.link.name if owner else "",
                 twin=owner.twin if owner else "",
                 **_collect_data(link, pair, units),
@@ -184,8 +197,7 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
     A cylinder about a joint's axis may belong to either of the links that the joint connects. Collision geometry as large as the
     visual, edge by edge, is its own.
     """
-    edges = [box[1] - box[0] for box in (pair.visual_box, pair.collision_box)]
-    if (np.abs(edges[0] - edges[1]) <= _SAME_SHAPE * np.maximum(*edges)).all():
+    if pair.is_one_shape:
         return False
     home = np.linalg.inv(model.frames[link.name])
     for name in list_neighbour_links(model, body):
@@ -232,11 +244,11 @@ def _is_ground(model: Model, pair: _BoxPair) -> bool:
 
 
 def _keeps_room(link: Link, pair: _BoxPair) -> bool:
-    """Whether several primitives, arranged by hand, are around all that a link draws: a planner may be meant to stay away."""
+    """Whether primitives are around all that a link draws: a planner may be meant to stay away."""
     shapes = [shape for shape in link.collisions if not is_dummy_shape(shape)]
     (least, most), (low, high) = _pad_box(pair.collision_box), pair.visual_box
     is_around = bool((least <= low).all() and (high <= most).all())
-    return is_around and len(shapes) > 1 and all(shape.kind != "mesh" for shape in shapes)
+    return is_around and all(shape.kind != "mesh" for shape in shapes)
 
 
 def _is_token(model: Model, link: Link, pair: _BoxPair) -> bool:
@@ -280,6 +292,24 @@ def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None
     pairs = [names for pair in known for names in ((pair.one, pair.other), (pair.other, pair.one))]
     twins = [other for one, other in pairs if one == link.name]
     count = sum(not is_dummy_shape(shape) for shape in link.collisions)
+    for neighbour in _iter_drawn_neighbours(model, body, link):
+        if neighbour.collisions:
+            continue
+        for twin in (other for one, other in pairs if one == neighbour.name):
+            has_own = len(model.link_by_name[twin].collisions) == count
+            if has_own and any(len(model.link_by_name[other].collisions) < count for other in twins):
+                return _Owner(neighbour, twin)
+    return None
+
+
+def _find_drawn_neighbour(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair) -> Link | None:
+    """Find the link in front or behind for which the collision geometry of ``link`` may be meant; none if it is as large, edge by
+    edge, as what ``link`` draws: then it is its own."""
+    return None if pair.is_one_shape else next(_iter_drawn_neighbours(model, body, link), None)
+
+
+def _iter_drawn_neighbours(model: Model, body: RigidLinkGroup, link: Link) -> Iterator[Link]:
+    """Yield the links in front and behind that are drawn where the collision geometry of ``link`` is, at rest, about as large."""
     home = np.linalg.inv(model.frames[link.name])
     box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
     for name in list_neighbour_links(model, body):
@@ -287,16 +317,11 @@ def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None
         drawn = compute_bounding_box(
             model, [(s, home @ model.frames[name]) for s in neighbour.visuals if not is_dummy_shape(s)]
         )
-        if box is None or drawn is None or neighbour.collisions or not _measure_diagonal(drawn):
+        if box is None or drawn is None or not _measure_diagonal(drawn):
             continue
         fit = _BoxPair(drawn, box)
-        if fit.overlap < _OWN or not 1 / _ALIKE <= fit.ratio <= _ALIKE:
-            continue
-        for twin in (other for one, other in pairs if one == name):
-            has_own = len(model.link_by_name[twin].collisions) == count
-            if has_own and any(len(model.link_by_name[other].collisions) < count for other in twins):
-                return _Owner(neighbour, twin)
-    return None
+        if fit.overlap >= _OWN and 1 / _ALIKE <= fit.ratio <= _ALIKE:
+            yield neighbour
 
 
 def _describe_repair(message: str, pair: _BoxPair, owner: _Owner | None) -> str:

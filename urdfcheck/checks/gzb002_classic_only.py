@@ -10,7 +10,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_only_near_name, format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
-from urdfcheck.model.simulation_use import has_successor_branch, names_successor
+from urdfcheck.model.simulation_use import has_successor_branch, names_successor, starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -57,6 +57,24 @@ _ROS1_LIBRARIES = frozenset({
     "gazebo_ros_range", "gazebo_ros_skid_steer_drive", "hector_gazebo_ros_gps", "hector_gazebo_ros_imu",
     "hector_gazebo_ros_magnetic", "hector_gazebo_ros_sonar",
 })  # fmt: skip
+# What a robot of ROS 2 loads instead of them in Classic.
+_CLASSIC_REPLACEMENTS = {
+    "gazebo_ros_block_laser": "gazebo_ros_ray_sensor",
+    "gazebo_ros_control": "gazebo_ros2_control",
+    "gazebo_ros_depth_camera": "gazebo_ros_camera",
+    "gazebo_ros_f3d": "gazebo_ros_ft_sensor",
+    "gazebo_ros_gpu_laser": "gazebo_ros_ray_sensor",
+    "gazebo_ros_imu": "gazebo_ros_imu_sensor",
+    "gazebo_ros_laser": "gazebo_ros_ray_sensor",
+    "gazebo_ros_multicamera": "gazebo_ros_camera",
+    "gazebo_ros_openni_kinect": "gazebo_ros_camera",
+    "gazebo_ros_prosilica": "gazebo_ros_camera",
+    "gazebo_ros_range": "gazebo_ros_ray_sensor",
+    "gazebo_ros_skid_steer_drive": "gazebo_ros_diff_drive",
+    "hector_gazebo_ros_gps": "gazebo_ros_gps_sensor",
+    "hector_gazebo_ros_imu": "gazebo_ros_imu_sensor",
+    "hector_gazebo_ros_sonar": "gazebo_ros_ray_sensor",
+}
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
 # The library of a system in a replacement, and the beginnings of its names in other releases.
 _SYSTEM = re.compile(r"gz[\w-]*-system")
@@ -84,7 +102,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         old = [library for library in plugins if library in _ROS1_LIBRARIES] if _is_for_ros2(model) else []
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
-        replacement = _describe_replacements(plugins, _list_new_systems(gazebo))
+        replacement = (
+            _describe_classic_replacements(old)
+            if not _CLASSIC_REPLACEMENTS.keys().isdisjoint(old) and starts_classic(model)
+            else _describe_replacements(plugins, _list_new_systems(gazebo))
+        )
         severity = None if old or _is_for_successor(model) else Severity.INFO
         yield _build_plugin_finding(rule, plugins, old, related=related, severity=severity, replacement=replacement)
     if _SUCCEEDED not in plugins:
@@ -110,7 +132,10 @@ def _is_for_ros2(model: Model) -> bool:
 
 
 def _is_for_successor(model: Model) -> bool:
-    """Whether the robot, its package or what starts it uses the new Gazebo: only there its plugins for Classic are missing."""
+    """Whether the robot, its package or what starts it uses the new Gazebo, and nothing starts Classic: only there its plugins
+    for Classic are missing."""
+    if starts_classic(model):
+        return False
     needed = frozenset() if model.package is None else model.package.dependencies
     return is_for_new_gazebo(model) or any(name.startswith(_NEW_PACKAGES) for name in needed) or names_successor(model)
 
@@ -182,6 +207,16 @@ def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]], present: 
         libraries_by_replacement.setdefault(replacement.format_map(_CONTROL), []).append(library)
     replaced = [f"{', '.join(names)} by {how}" for how, names in libraries_by_replacement.items()]
     return "; ".join([*deleted, *(["replace " + "; ".join(replaced)] if replaced else [])])
+
+
+def _describe_classic_replacements(libraries: Iterable[str]) -> str:
+    """Return ``for Classic in ROS 2, replace a, b by X; c by Y``, where the robot is started there."""
+    by_replacement: dict[str, list[str]] = {}
+    for library in libraries:
+        if library in _CLASSIC_REPLACEMENTS:
+            by_replacement.setdefault(_CLASSIC_REPLACEMENTS[library], []).append(library)
+    replaced = "; ".join(f"{join_names(names)} by {how}" for how, names in by_replacement.items())
+    return f"for Gazebo Classic in ROS 2, replace {replaced}"
 
 
 def _find_replacement(library: str) -> str:

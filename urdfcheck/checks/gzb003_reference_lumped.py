@@ -99,6 +99,7 @@ def _build_lost_finding(
         edits=_propose_all_edits(model, blocks) if message == "joint" else (),
         blocks=format_count(len(blocks), "<gazebo> block has", "<gazebo> blocks have"),
         count=format_count(len(blocks), "block"),
+        place="this block" if len(blocks) == 1 else "the block of each",
         which="joint" if len(blocks) == 1 else "joints",
         outcome=f"{joint.child} becomes part of {reduction.body_by_link[joint.child]}"
         if len(blocks) == 1

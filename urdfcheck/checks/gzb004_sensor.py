@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from difflib import SequenceMatcher
 
 from urdfcheck.core import FactUnavailableError, Finding, Location, Rule, Severity, Span
@@ -47,6 +47,7 @@ _MOST_COMPARED = 1_000
 _STEM_LIKENESS = 0.75
 # Names of collisions that a message lists.
 _MOST_NAMED = 4
+_SHARED_NAME = "make the SDF name of each link's collision a parameter of the macro"
 # What stands for "no topic given": SDFormat's default is written out where a model was converted or copied from its description.
 _NO_TOPIC = frozenset({"", "__default_topic__"})
 
@@ -80,19 +81,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     except FactUnavailableError:
         return
     yield from _check_duplicate_names(model, sensors, reduction, rule)
-    for unknown in _iter_unknown_collisions(sensors, reduction):
+    unknowns = list(_iter_unknown_collisions(sensors, reduction))
+    for unknown in unknowns:
         if _is_meant_to_be_kept(model, unknown.sensor.reference, reduction):
             continue  # GZB001 and GZB003 report the block that does not keep the link
         element, names, files = unknown.element, unknown.candidates, model.source.files
         other = _find_other_link(model, unknown)
+        is_shared = len({u.sensor.reference for u in unknowns if u.element.span == element.span}) > 1
         yield rule.finding(
             "collision",
             at=locate_content(element, files),
-            edits=edit_content(element, names[0], files) if len(names) == 1 and other is None else (),
+            edits=edit_content(element, names[0], files) if len(names) == 1 and other is None and not is_shared else (),
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            repair=_describe_collision_repair(unknown, other),
+            repair=_SHARED_NAME if is_shared else _describe_collision_repair(unknown, other),
         )
 
 
@@ -249,7 +252,7 @@ def _check_duplicate_names(
                 merged=f" (from {join_names(links)}, which Gazebo merges)" if len(links) > 1 else "",
                 included="" if include is None else ", because their file is included more than once",
                 rest="the second is" if len(alike) == 2 else "all but the first are",
-                repair=_describe_renaming(first, second, include),
+                repair=_describe_renaming(alike, include),
             )
 
 
@@ -261,12 +264,27 @@ def _find_include(element: Element, model: Model) -> Span | None:
     return place if is_include else None
 
 
-def _describe_renaming(first: Element, second: Element, include: Span | None) -> str:
+def _describe_renaming(alike: Sequence[GazeboSensor], include: Span | None) -> str:
     if include is not None:
         return "delete one of the includes"
+    first, second = (sensor.element for sensor in alike[:2])
+    if len(alike) == 2 and alike[0].reference == alike[1].reference and _is_copy(first, second):
+        return "delete one of the two: they are equal"
     if first.span == second.span and second.via:
         return "use a parameter of the macro in the name, so that it differs in each call"
     return "give each sensor its own name"
+
+
+def _is_copy(one: Element, other: Element) -> bool:
+    """Whether two elements say the same."""
+    texts = [
+        [
+            (e.tag, e.text.split(), {name: attribute.value for name, attribute in e.attributes.items()})
+            for e in root.walk()
+        ]
+        for root in (one, other)
+    ]
+    return texts[0] == texts[1]
 
 
 def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction) -> bool:

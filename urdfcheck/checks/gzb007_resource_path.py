@@ -13,6 +13,7 @@ from urdfcheck.source.launch.nodes_python import read_python_actions
 from urdfcheck.source.launch.nodes_xml import LaunchAction, LaunchContents, read_launch_actions
 from urdfcheck.source.package.finder import Package, PackageFinder
 from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Attribute
 
 # Whatever leads Gazebo to a package: an export, an environment hook or a variable that a launch file sets.
@@ -46,12 +47,12 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     found = [package for name in meshes if (package := _load_package(finder, name)) is not None]
     if len(found) < len(meshes):
         return  # a package that is not here may have what it needs
-    packages = {package.path: package for package in (*found, launch.package, model.package) if package is not None}
-    if any(
-        _PATH.search(text)
-        for package in packages.values()
-        for text in read_package_texts(package.path, finder.can_open)
-    ):
+    packages = {package.path for package in (*found, launch.package, model.package) if package is not None}
+    # What starts the robot may be elsewhere, and sets the variable for it.
+    packages.update(
+        path for path in finder.list_workspace_packages().values() if any(has_dependency(path, name) for name in meshes)
+    )
+    if any(_PATH.search(text) for path in sorted(packages) for text in read_package_texts(path, finder.can_open)):
         return
     spawner = next(node for node in contents.nodes if (node.package, node.program) in _SPAWNERS and not node.off)
     first = next(iter(meshes))

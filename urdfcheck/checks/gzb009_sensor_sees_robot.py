@@ -11,11 +11,13 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import list_sensors
 from urdfcheck.model.parts import locate_geometry
+from urdfcheck.model.simulation_use import names_scan_filter
 
 if TYPE_CHECKING:
     from urdfcheck.model.shapes.sensor_rays import SelfScan
 
-_FILTERS = "laser_filters"
+# Of the rays: with more of them left out, the sensor is of no use (chosen).
+_MOST_LEFT_OUT = 0.5
 # m: a sensor that sees nothing so near is no worse for it (chosen); farther, obstacles are lost too.
 _MOST_BLIND = 0.3
 
@@ -43,7 +45,7 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan, *, least: float) ->
             frame=scan.turned.frame,
             angle=math.degrees(scan.turned.angle),
         )
-    is_filtered = model.package is not None and _FILTERS in model.package.dependencies
+    is_filtered = names_scan_filter(model)
     within = join_names(dict.fromkeys(seen.link for seen in scan.seen if seen.holds_sensor))
     beyond = scan.farthest + 0.005
     return rule.finding(
@@ -61,5 +63,8 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan, *, least: float) ->
         rays="all its rays end" if scan.share == 1.0 else f"{scan.share:.1%} of its rays end",
         distance=" to ".join(dict.fromkeys(map(format_length, (scan.nearest, scan.farthest)))),
         range=format_length(scan.least),
+        angles="; if both are right, leave out these angles (min_angle, max_angle)"
+        if scan.share < _MOST_LEFT_OUT
+        else "",
         farther=f", or write {beyond:.2f} in <min> of its <range>" if beyond <= _MOST_BLIND else "",
     )

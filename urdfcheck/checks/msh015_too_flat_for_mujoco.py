@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.arrays import Array
 from urdfcheck.facts.mesh.measure import MeshFacts
@@ -38,7 +38,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         elif (volume := _bound_pyramid_volume(facts, np.array(scale))) < LEAST_VOLUME:
             tiny.append((volume, use))
     if flat:
-        yield _build_finding(rule, "flat", flat)
+        is_meant = model.robot.find_child("mujoco") is not None
+        yield _build_finding(rule, "flat", flat, severity=Severity.WARNING if is_meant else None)
     if tiny:
         least, _ = min(tiny, key=lambda entry: entry[0])
         yield _build_finding(rule, "tiny", [use for _, use in tiny], volume=least, limit=LEAST_VOLUME)
@@ -68,12 +69,15 @@ def _bound_pyramid_volume(facts: MeshFacts, scale: Array) -> float:
     return volume + len(areas) * moved * diameter**2
 
 
-def _build_finding(rule: Rule, message: str, uses: Sequence[MeshUse], **data: Any) -> Finding:
+def _build_finding(
+    rule: Rule, message: str, uses: Sequence[MeshUse], *, severity: Severity | None = None, **data: Any
+) -> Finding:
     names = list(dict.fromkeys(use.name for use in uses))
     return rule.finding(
         message,
         at=uses[0].filename,
         related=[use.filename for use in uses[1:]],
+        severity=severity,
         count=len(names),
         meshes=join_names(names),
         **data,

@@ -28,8 +28,16 @@ _SIMULATOR = re.compile(
 _GAZEBO = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|gzserver")
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
+# How launch files and scripts start Classic and spawn a robot there.
+_CLASSIC_START = re.compile(r"\b(?:gzserver|gzclient|spawn_entity\.py)\b|\bgazebo_ros\b[^\n]{0,80}\bgazebo\.launch")
 # The engines of the new Gazebo that have mimic constraints, as launch files (--physics-engine) and worlds (<engine>) name them.
 _MIMIC_ENGINE = re.compile(r"gz-physics-(?:bullet-featherstone|mujoco)")
+# The packages of ros_control that read transmissions, in manifests, launch files and scripts.
+_ROS_CONTROL = re.compile(
+    r"gazebo_ros_control|hardware_interface|transmission_interface|controller_manager|ros_control"
+)
+# Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
+_SCAN_FILTER = re.compile(r"laser_filter|scan_filter|scan_to_scan_filter|LaserScan\w*Filter")
 # The option of Gazebo's spawners that puts a joint at a position.
 _START_OPTION = re.compile(r"(?<![\w-])-J\b")
 # How launch files give Gazebo an SDF of their own, and how they give it a robot_description.
@@ -174,10 +182,25 @@ def names_successor(model: Model) -> bool:
     return any(map(_SUCCESSOR.search, _list_project_texts(model)))
 
 
+def starts_classic(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, starts Gazebo Classic."""
+    return any(map(_CLASSIC_START.search, _list_project_texts(model)))
+
+
 def names_mimic_engine(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, names an engine of the new Gazebo that couples
     joints by ``<mimic>``."""
     return any(map(_MIMIC_ENGINE.search, _list_project_texts(model)))
+
+
+def names_ros_control(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, names what reads transmissions."""
+    return any(map(_ROS_CONTROL.search, _list_project_texts(model)))
+
+
+def names_scan_filter(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, names a filter of a lidar's scan."""
+    return any(map(_SCAN_FILTER.search, _list_project_texts(model)))
 
 
 def has_successor_branch(model: Model, element: Element) -> bool:

@@ -43,7 +43,9 @@ def merge_macro_lines(findings: Iterable[Finding], root: Element | None, texts: 
     for group in groups.values():
         span = group[0].location.span
         text = "" if span is None else _get_text(span, texts)
-        is_whole = made is not None and span is not None and is_computed(text) and _covers_all(group, made, span)
+        # A call makes many elements, each by a line of its own.
+        is_line = is_computed(text) and not text.startswith("<xacro:")
+        is_whole = made is not None and span is not None and is_line and _covers_all(group, made, span)
         if is_whole and len(group) > 1 and not any(map(_list_edits, group)):
             merged.append(replace(_join_calls(group), blames_text=True))
         elif is_whole or (text and "$" not in text):

@@ -1,8 +1,8 @@
-"""Where the numbers and names of a finding were typed: a macro only hands on what a yaml file or a call gives it."""
+"""Where a finding is to be repaired: a macro hands on what a yaml file or a call gives it, and may be right for other calls."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Span
@@ -11,6 +11,11 @@ from urdfcheck.source.text.xml import Attribute, Element
 
 # The rules about elements as they are written.
 _MARKUP = "XML"
+# The rules about files that a model names: a file is wrong whichever call names it.
+_FILES = ("PKG", "MSH")
+
+# An element: its subject and the calls that made it.
+_Place = tuple[str, tuple[Span, ...]]
 
 
 def locate_typed_values(findings: Sequence[Finding], root: Element | None, texts: Mapping[str, str]) -> list[Finding]:
@@ -31,7 +36,8 @@ def locate_typed_values(findings: Sequence[Finding], root: Element | None, texts
         if finding.location.via and "${" in _get_text(finding.location.span, texts)
     }
     makers = _index_by_subject(root, handed) if handed else {}
-    return [_move(finding, makers.get(finding.location.subject, ())) for finding in findings]
+    located = [_move(finding, makers.get(finding.location.subject, ())) for finding in findings]
+    return _locate_own_calls(located, root, texts)
 
 
 def _index_by_subject(root: Element, spans: Iterable[Span | None]) -> dict[str, tuple[Attribute, ...]]:
@@ -89,5 +95,114 @@ def _find_typed_place(attribute: Attribute, *, may_be_name: bool) -> Span | None
     return None if typed is None else typed.span
 
 
+def _get_content(span: Span | None, texts: Mapping[str, str]) -> str:
+    """Return the text behind a start tag, up to the next tag."""
+    tag = _get_text(span, texts)
+    is_start = span is not None and tag.startswith("<") and tag.endswith(">") and not tag.endswith("/>")
+    if span is None or not is_start:
+        return ""
+    text = texts[span.file]
+    return text[span.end : max(text.find("<", span.end), span.end)]
+
+
 def _get_text(span: Span | None, texts: Mapping[str, str]) -> str:
     return "" if span is None else texts.get(span.file, "")[span.start : span.end]
+
+
+# -- the call of a macro that is right for others -----------------------------------------------------------------------
+
+
+def _locate_own_calls(findings: list[Finding], root: Element, texts: Mapping[str, str]) -> list[Finding]:
+    """Move findings about some of the elements that a line with ``${…}`` makes to the call that makes theirs.
+
+    The line is right for the other calls, so what this call gives it is wrong. A finding whose repair edits the line stays there.
+    """
+    handed = [number for number, finding in enumerate(findings) if _is_handed(finding, texts)]
+    if not handed:
+        return findings
+    owners = _find_owners(root, {findings[number].location.via for number in handed})
+    concerned = _collect_concerned(findings)
+    moved = list(findings)
+    for number in handed:
+        finding = findings[number]
+        key = _strip_attribute(finding.location.subject), finding.location.via
+        made = owners.get(key, ())
+        right = [e.via for e in made if not concerned[finding.code].touches(e.subject)]
+        moved[number] = replace(
+            finding,
+            location=_move_to_call(finding.location, right, texts),
+            related=tuple(
+                _move_to_call(place, right, texts)
+                if place.span == finding.location.span and place.subject in finding.subjects
+                else place
+                for place in finding.related
+            ),
+        )
+    return moved
+
+
+def _is_handed(finding: Finding, texts: Mapping[str, str]) -> bool:
+    """Whether a finding is at a text of a macro that depends on the call, and no edit says what to change there."""
+    has_edits = finding.fix is not None and bool(finding.fix.edits)
+    if has_edits or not finding.location.via or finding.code.startswith(_FILES) or _is_about_markup(finding):
+        return False
+    return "${" in _get_text(finding.location.span, texts) + _get_content(finding.location.span, texts)
+
+
+def _find_owners(root: Element, calls: Collection[tuple[Span, ...]]) -> dict[_Place, list[Element]]:
+    """Return for each element that these calls make, by its subject and calls, all elements of the same text."""
+    found = [element for element in root.walk() if element.via in calls]
+    made: dict[Span | None, list[Element]] = {element.span: [] for element in found}
+    for element in root.walk():
+        if element.span in made:
+            made[element.span].append(element)
+    return {(element.subject, element.via): made[element.span] for element in found}
+
+
+class _Concerned:
+    """Elements that findings of one rule are about, or name."""
+
+    def __init__(self) -> None:
+        self.subjects: set[str] = set()
+        self.around: set[str] = set()
+
+    def add(self, subject: str) -> None:
+        subject = _strip_attribute(subject)
+        self.subjects.add(subject)
+        self.around.update(_list_around(subject))
+
+    def touches(self, subject: str) -> bool:
+        """Whether an element is one of these, is in one, or has one in it."""
+        return subject in self.around or not self.subjects.isdisjoint(_list_around(subject))
+
+
+def _collect_concerned(findings: Iterable[Finding]) -> dict[str, _Concerned]:
+    concerned: dict[str, _Concerned] = {}
+    for finding in findings:
+        own = concerned.setdefault(finding.code, _Concerned())
+        for subject in (finding.location.subject, *finding.subjects, *(place.subject for place in finding.related)):
+            own.add(subject)
+    return concerned
+
+
+def _list_around(subject: str) -> list[str]:
+    """Return a subject and those of the elements around it."""
+    steps = subject.split("/")
+    return ["/".join(steps[:number]) for number in range(1, len(steps) + 1)]
+
+
+def _strip_attribute(subject: str) -> str:
+    return subject.rpartition("@")[0] or subject
+
+
+def _move_to_call(place: Location, right: Sequence[tuple[Span, ...]], texts: Mapping[str, str]) -> Location:
+    """Return the innermost call at which the calls of a place leave those of all elements that are right."""
+    others = right
+    for depth, call in enumerate(reversed(place.via), start=1):
+        if not others or place.span is None:
+            break
+        others = [via for via in others if len(via) >= depth and via[-depth] == call]
+        if not others and not _get_text(call, texts).startswith("<xacro:include"):
+            at = len(place.via) - depth
+            return Location(place.subject, call, (*place.via[:at], *place.via[at + 1 :], place.span))
+    return place
