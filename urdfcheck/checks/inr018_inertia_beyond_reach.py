@@ -46,7 +46,9 @@ class _FarLink:
     """How far what the file places on the link reaches."""
 
 
-def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, impossible: float) -> Iterator[Finding]:
+def check(
+    model: Model, rule: Rule, *, own: float, share: float, away: float, whole: float, impossible: float
+) -> Iterator[Finding]:
     least = measure_reach(model, with_shapes=False)
     if least is None:
         return
@@ -60,7 +62,7 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
     reach = measure_reach(model, with_shapes=True)
     if reach is None:
         return
-    for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
+    for message, index, units, most in (("com", 0, LENGTHS, away), ("spread", 1, RADII, whole)):
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
         for name, pair in lengths.items():
@@ -72,7 +74,7 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             if far.distance > impossible * reach:
                 grave.append(far)
             elif (
-                far.distance > (whole if _describe_typed(message, far) is None else _TYPED_WHOLE) * reach
+                far.distance > (most if _describe_typed(message, far) is None else _TYPED_WHOLE) * reach
                 or is_beyond_own
             ):
                 odd.append(far)
@@ -106,8 +108,8 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
     compare it with its geometry.
 
-    A link that is ``distance`` lengths of the robot away matters as much more. INR006 does not check the COMs of links that draw
-    nothing.
+    A mass that is ``distance`` lengths of the robot away matters with the square of that for the moments of its body. INR006 does
+    not check the COMs of links that draw nothing.
     """
     # Few models have a link that is so far away: the others do without the geometry of inertials.
     from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
@@ -117,7 +119,7 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     body = model.tree.list_body_links(name)
     shares = compute_body_shares(model, body).get(name)
     is_checked = collect_body_corners(model, body) is not None and (index or has_drawn_shape(model.link_by_name[name]))
-    weight = 1.0 if index else max(1.0, distance)
+    weight = 1.0 if index else max(1.0, distance) ** 2
     return not is_checked and shares is not None and shares[index] * weight >= NEGLIGIBLE_SHARE
 
 
