@@ -28,8 +28,6 @@ _WITH_GRAMS = {"kg·cm²": "g·cm²", "kg·mm²": "g·mm²"}
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
 # Another unit that leaves all links within so many times these shares is not ruled out.
 _POSSIBLE = 1.5
-# A tensor that was typed has no unit, and is wrong from a radius of gyration of one length of the robot on.
-_TYPED_WHOLE = 1.0
 # Nobody types a larger one (kg·m²) to make a program accept the file: it may be a smaller one in another unit.
 _MOST_TYPED = 1.0
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
@@ -46,9 +44,7 @@ class _FarLink:
     """How far what the file places on the link reaches."""
 
 
-def check(
-    model: Model, rule: Rule, *, own: float, share: float, away: float, whole: float, impossible: float
-) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, impossible: float) -> Iterator[Finding]:
     least = measure_reach(model, with_shapes=False)
     if least is None:
         return
@@ -62,7 +58,7 @@ def check(
     reach = measure_reach(model, with_shapes=True)
     if reach is None:
         return
-    for message, index, units, most in (("com", 0, LENGTHS, away), ("spread", 1, RADII, whole)):
+    for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
         for name, pair in lengths.items():
@@ -73,10 +69,7 @@ def check(
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif (
-                far.distance > (most if _describe_typed(message, far) is None else _TYPED_WHOLE) * reach
-                or is_beyond_own
-            ):
+            elif far.distance > whole * reach or is_beyond_own:
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.

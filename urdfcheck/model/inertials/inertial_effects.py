@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
-from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 
 # A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
+# Unless its COM is so far away that it makes more than this share of the largest moment of its body (chosen).
+_FAR_MOMENT = 0.5
 # Moments so many times too small are those of a part of a seventh of the size.
 TINY = 50.0
 # Moments that differ by a third in sum are of one size; those of a simpler body are near up to a half.
@@ -202,4 +204,13 @@ def is_light(model: Model, link: Link, mended: DeclaredInertial | None = None) -
     if len(body) == 1 or whole is None or mass is None:
         return False
     lost = 0.0 if mended is None else max(0.0, mended.mass - mass)
-    return mass + lost < LIGHT * (whole + lost)
+    return mass + lost < LIGHT * (whole + lost) and not _is_at_long_lever(model, link, mass, body)
+
+
+def _is_at_long_lever(model: Model, link: Link, mass: float, body: tuple[str, ...]) -> bool:
+    """Whether the COM of a link is so far from its frame that the mass alone makes most of the moments of its body."""
+    com = None if link.inertial is None else link.inertial.origin.xyz
+    tensor = compute_body_tensor(model, body)
+    if com is None or tensor is None:
+        return False
+    return mass * float(np.dot(com, com)) > _FAR_MOMENT * float(np.linalg.eigvalsh(tensor)[-1])

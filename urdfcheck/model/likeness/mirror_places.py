@@ -161,7 +161,7 @@ def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
         "what": "axis" if is_axis else "origin's rpy",
         "typed": typed,
         "expected": expected,
-        "count": lone.witnesses,
+        "others": "The other pair agrees" if lone.witnesses == 1 else f"The {lone.witnesses} other pairs agree",
         "between": _list_subjects(both),
     }
     return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
@@ -206,7 +206,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         else one.origin.get_attribute(odd.attribute)
         for one in (joint, odd.others[0])
     )
-    words = format_point(odd.expected, decimals=6).split() if like is None or odd.is_spoke else like.value.split()
+    words = format_point(odd.expected, decimals=6).split() if like is None or odd.kind != "odd" else like.value.split()
     if odd.attribute == "xyz":
         signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
         words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
@@ -227,7 +227,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         "expected": expected,
     }
     return PlaceMistake(
-        message="spoke" if odd.is_spoke else "odd",
+        message=odd.kind,
         joints=(joint,),
         at=places[0],
         related=tuple(places[1:]),

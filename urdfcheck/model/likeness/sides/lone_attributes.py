@@ -47,14 +47,21 @@ def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
     :raises FactUnavailableError: when the tree is broken.
     """
     pairs = _list_pairs(model)
-    if len(pairs) <= _WITNESSES:
-        return
     attributes: tuple[Literal["axis", "rpy"], ...] = ("axis", "rpy")
     for attribute in attributes:
         odd = [pair for pair in pairs if not _agree(pair, attribute)]
-        if len(odd) == 1 and _is_slip(model, odd[0], attribute):
-            one, other = odd[0]
+        if len(odd) != 1 or not _is_slip(model, odd[0], attribute):
+            continue
+        one, other = odd[0]
+        is_across = attribute == "axis" and one.parent == other.parent and _is_across(odd[0])
+        if len(pairs) > (1 if is_across else _WITNESSES):
             yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+
+
+def _is_across(pair: tuple[Joint, Joint]) -> bool:
+    """Whether two axes are along two coordinates of frames that are typed alike: on one link one other pair is enough then."""
+    axes = [_read(joint, "axis") for joint in pair]
+    return all(axis is not None and float(axis.max()) > 1 - _SAME["axis"] for axis in axes)
 
 
 def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
@@ -88,8 +95,13 @@ def _read(joint: Joint, attribute: str) -> Array | None:
     values = joint.origin.xyz if attribute == "xyz" else joint.origin.rpy
     if values is None:
         return None
-    # An angle that is half a turn away is another choice of axes.
-    return np.abs(values if attribute == "xyz" else np.remainder(np.add(values, math.pi / 2), math.pi) - math.pi / 2)
+    return np.abs(values) if attribute == "xyz" else _fold_angles(values)
+
+
+def _fold_angles(rpy: Sequence[float]) -> Array:
+    """Return angles (rad) without signs and half turns: an angle that is half a turn away is another choice of axes."""
+    folded: Array = np.abs(np.remainder(np.add(rpy, math.pi / 2), math.pi) - math.pi / 2)
+    return folded
 
 
 def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
@@ -125,11 +137,11 @@ def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
 
 
 def _is_drawn_alike(model: Model, pair: tuple[Joint, Joint]) -> bool:
-    """Whether the shapes of both links are as many, with the same angles apart from signs."""
+    """Whether the shapes of both links are as many, with the same angles apart from signs and half turns."""
     shapes = [model.link_by_name[joint.child].visuals for joint in pair]
     return len(shapes[0]) == len(shapes[1]) and all(
         one.origin.rpy is not None
         and other.origin.rpy is not None
-        and bool(np.abs(np.abs(one.origin.rpy) - np.abs(other.origin.rpy)).max() <= _SAME["rpy"])
+        and bool(np.abs(_fold_angles(one.origin.rpy) - _fold_angles(other.origin.rpy)).max() <= _SAME["rpy"])
         for one, other in zip(*shapes, strict=True)
     )
