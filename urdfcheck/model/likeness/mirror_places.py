@@ -150,21 +150,26 @@ def _describe_slip(slip: OriginSlip) -> PlaceMistake:
 
 
 def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
-    both, is_axis = (lone.joint, lone.twin), lone.attribute == "axis"
-    at, related = (joint.axis_location if is_axis else locate_origin_attribute(joint, "rpy") for joint in both)
-    typed, expected = (
-        format_point((joint.axis if is_axis else joint.origin.rpy) or (0.0, 0.0, 0.0), decimals=6) for joint in both
-    )
+    both, name = (lone.joint, lone.twin), lone.attribute
+    at, related = (joint.axis_location if name == "axis" else locate_origin_attribute(joint, name) for joint in both)
+    numbers = [
+        (joint.axis if name == "axis" else joint.origin.rpy if name == "rpy" else joint.origin.xyz) or (0.0, 0.0, 0.0)
+        for joint in both
+    ]
+    typed, expected = (format_point(three, decimals=6) for three in numbers)
     data = {
         "joint": lone.joint.name,
         "twin": lone.twin.name,
-        "what": "axis" if is_axis else "origin's rpy",
+        "what": "axis" if name == "axis" else f"origin's {name}",
         "typed": typed,
         "expected": expected,
         "others": "The other pair agrees" if lone.witnesses == 1 else f"The {lone.witnesses} other pairs agree",
         "between": _list_subjects(both),
     }
-    return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
+    if name != "xyz":
+        return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
+    data["distance"] = float(np.linalg.norm(np.abs(numbers[0]) - np.abs(numbers[1]))) * 1e3
+    return PlaceMistake(message="lone_place", joints=both, at=at, related=(related,), data=data)
 
 
 def _describe_odd_sign(odd: OddSign) -> PlaceMistake:

@@ -229,7 +229,7 @@ def _find_odd_vector(values: Array) -> int | None:
 def _find_odd_place(places: Array) -> int | None:
     """Return the only place (3,) whose distances along the axes differ from those of the others."""
     index = _find_odd_vector(np.abs(places))
-    if index is None or np.linalg.norm(places[index - 1]) < _NEAR:
+    if index is None:
         return None
     return index if np.abs(np.abs(places[index]) - np.abs(places[index - 1])).max() > _NEAR else None
 

@@ -11,6 +11,8 @@ import numpy as np
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.likeness.mirror_pairs import list_named_pairs
 from urdfcheck.model.likeness.mirrored_joints import TURNING
+from urdfcheck.model.likeness.odd_limbs import places_something
+from urdfcheck.model.likeness.shape_comparison import is_alike
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 # So many other pairs agree (chosen).
 _WITNESSES = 3
+# So many other pairs of fixed joints agree about their places, and so far off (m) is one that does not: a calibration or a cable is
+# less, and a part that is farther off is arranged otherwise. All three are chosen.
+_FIXED_WITNESSES, _LEAST_OFF, _MOST_OFF = 4, 2e-3, 0.05
 # Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
 _SAME = {"axis": 2e-3, "xyz": 1e-3, "rpy": 2e-3}
 # A smaller angle (rad) is one between two exports; a multiple of the step, to within this, is an arrangement. All
@@ -34,13 +39,13 @@ class LoneAttribute:
 
     joint: Joint
     twin: Joint
-    attribute: Literal["axis", "rpy"]
+    attribute: Literal["axis", "rpy", "xyz"]
     witnesses: int
     """How many other pairs agree."""
 
 
 def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
-    """Yield the only pair of left and right joints whose axes, or angles, differ in more than signs.
+    """Yield the only pair of left and right joints whose axes, angles or fixed places differ in more than signs.
 
     Their places, and what their links draw, are typed alike on both sides: no other choice of frames explains it.
 
@@ -56,6 +61,39 @@ def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
         is_across = attribute == "axis" and one.parent == other.parent and _is_across(odd[0])
         if len(pairs) > (1 if is_across else _WITNESSES):
             yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+    yield from _find_lone_place(model)
+
+
+def _find_lone_place(model: Model) -> Iterator[LoneAttribute]:
+    """Yield the only two fixed joints of two limbs whose places differ in more than signs, as typed, where parts of limbs are
+    bolted on.
+
+    Sensors and covers of one body are where there is room for them, and so is what a joint carries that only one limb has.
+    """
+    pairs = [
+        (one, other)
+        for one, other in _list_joints_of_pairs(model)
+        if one.type == "fixed"
+        and one.parent != other.parent
+        and model.tree.find_path_to(one.parent)
+        and places_something(model, one)
+        and places_something(model, other)
+    ]
+    odd = [pair for pair in pairs if not _agree(pair, "xyz")]
+    if len(odd) != 1 or len(pairs) <= _FIXED_WITNESSES:
+        return
+    one, other = odd[0]
+    first, second = (_read(joint, "xyz") for joint in (one, other))
+    if first is None or second is None or not _agree((one, other), "rpy") or not _is_drawn_alike(model, (one, other)):
+        return
+    off = float(np.linalg.norm(first - second))
+    behind = [known for known in _list_joints_of_pairs(model) if {j.parent for j in known} == {one.child, other.child}]
+    if (
+        _LEAST_OFF < off < _MOST_OFF
+        and is_alike(model, one.child, other.child) is not False
+        and all(_agree(known, "xyz") for known in behind)
+    ):
+        yield LoneAttribute(joint=other, twin=one, attribute="xyz", witnesses=len(pairs) - 1)
 
 
 def _is_across(pair: tuple[Joint, Joint]) -> bool:
@@ -66,6 +104,11 @@ def _is_across(pair: tuple[Joint, Joint]) -> bool:
 
 def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
     """List the left and right joints that move, of one type, on one link or on two that are a pair."""
+    return [pair for pair in _list_joints_of_pairs(model) if pair[0].has_axis]
+
+
+def _list_joints_of_pairs(model: Model) -> list[tuple[Joint, Joint]]:
+    """List the left and right joints of one type, on one link or on two that are a pair."""
     both = dict.fromkeys(list_named_pairs(model))
     joints = [tuple(model.tree.parent_joint.get(name) for name in names) for names in both]
     return [
@@ -73,7 +116,6 @@ def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
         for one, other in joints
         if one is not None
         and other is not None
-        and one.has_axis
         and one.type == other.type
         and (one.parent == other.parent or (one.parent, other.parent) in both)
     ]
