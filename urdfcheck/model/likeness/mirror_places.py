@@ -166,9 +166,12 @@ def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
         "others": "The other pair agrees" if lone.witnesses == 1 else f"The {lone.witnesses} other pairs agree",
         "between": _list_subjects(both),
     }
-    if name != "xyz":
+    if lone.joint.is_movable:
         return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
-    data["distance"] = float(np.linalg.norm(np.abs(numbers[0]) - np.abs(numbers[1]))) * 1e3
+    off = np.abs(np.abs(numbers[0]) - np.abs(numbers[1]))
+    is_place = name == "xyz"
+    data["off"] = f"{1e3 * float(np.linalg.norm(off)):.3g} mm" if is_place else f"{math.degrees(off.max()):.3g}°"
+    data["rest"] = "angles" if is_place else "places"
     return PlaceMistake(message="lone_place", joints=both, at=at, related=(related,), data=data)
 
 

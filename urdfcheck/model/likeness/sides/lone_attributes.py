@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # So many other pairs agree (chosen).
 _WITNESSES = 3
-# So many other pairs of fixed joints agree about their places, and so far off (m) is one that does not: a calibration or a cable is
+# So many other pairs of fixed joints agree about their places, and so far off (m) is one that does not: a calibration is
 # less, and a part that is farther off is arranged otherwise. All three are chosen.
 _FIXED_WITNESSES, _LEAST_OFF, _MOST_OFF = 4, 2e-3, 0.05
 # Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
@@ -61,39 +61,43 @@ def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
         is_across = attribute == "axis" and one.parent == other.parent and _is_across(odd[0])
         if len(pairs) > (1 if is_across else _WITNESSES):
             yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
-    yield from _find_lone_place(model)
+    yield from _find_lone_bolted(model)
 
 
-def _find_lone_place(model: Model) -> Iterator[LoneAttribute]:
-    """Yield the only two fixed joints of two limbs whose places differ in more than signs, as typed, where parts of limbs are
-    bolted on.
+def _find_lone_bolted(model: Model) -> Iterator[LoneAttribute]:
+    """Yield the only two fixed joints of two limbs whose places, or angles, differ in more than signs, as typed.
 
-    Sensors and covers of one body are where there is room for them, and so is what a joint carries that only one limb has.
+    Sensors and covers of one body are where there is room for them.
     """
+    all_pairs = _list_joints_of_pairs(model)
     pairs = [
-        (one, other)
-        for one, other in _list_joints_of_pairs(model)
-        if one.type == "fixed"
-        and one.parent != other.parent
-        and model.tree.find_path_to(one.parent)
-        and places_something(model, one)
-        and places_something(model, other)
+        pair
+        for pair in all_pairs
+        if pair[0].type == "fixed"
+        and (pair[0].parent != pair[1].parent or any(_hangs_on(known, pair) for known in all_pairs))
+        and all(places_something(model, joint) for joint in pair)
     ]
-    odd = [pair for pair in pairs if not _agree(pair, "xyz")]
-    if len(odd) != 1 or len(pairs) <= _FIXED_WITNESSES:
-        return
-    one, other = odd[0]
-    first, second = (_read(joint, "xyz") for joint in (one, other))
-    if first is None or second is None or not _agree((one, other), "rpy") or not _is_drawn_alike(model, (one, other)):
-        return
-    off = float(np.linalg.norm(first - second))
-    behind = [known for known in _list_joints_of_pairs(model) if {j.parent for j in known} == {one.child, other.child}]
-    if (
-        _LEAST_OFF < off < _MOST_OFF
-        and is_alike(model, one.child, other.child) is not False
-        and all(_agree(known, "xyz") for known in behind)
-    ):
-        yield LoneAttribute(joint=other, twin=one, attribute="xyz", witnesses=len(pairs) - 1)
+    attributes: tuple[Literal["xyz", "rpy"], ...] = ("xyz", "rpy")
+    for attribute in attributes if len(pairs) > _FIXED_WITNESSES else ():
+        odd = [pair for pair in pairs if not _agree(pair, attribute)]
+        if len(odd) != 1 or is_alike(model, odd[0][0].child, odd[0][1].child) is False:
+            continue
+        one, other = odd[0]
+        if attribute == "rpy":
+            is_slip = _is_slip(model, odd[0], attribute)
+        else:
+            first, second = (_read(joint, "xyz") for joint in odd[0])
+            off = 0.0 if first is None or second is None else float(np.linalg.norm(first - second))
+            is_same_otherwise = _agree(odd[0], "rpy") and _is_drawn_alike(model, odd[0])
+            behind = [known for known in all_pairs if _hangs_on(known, odd[0])]
+            is_slip = _LEAST_OFF < off < _MOST_OFF and is_same_otherwise and all(_agree(k, "xyz") for k in behind)
+        if is_slip:
+            yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+
+
+def _hangs_on(pair: tuple[Joint, Joint], above: tuple[Joint, Joint]) -> bool:
+    """Whether the joints of a pair hang on the links of another one."""
+    return {joint.parent for joint in pair} == {joint.child for joint in above}
 
 
 def _is_across(pair: tuple[Joint, Joint]) -> bool:
@@ -165,7 +169,8 @@ def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
     angle = float(off.max())
     is_one = int((off > _SAME["rpy"]).sum()) == 1 and angle > _LEAST
     is_arranged = abs(angle - round(angle / _STEP) * _STEP) <= _ROUND
-    return is_one and not is_arranged and _agree(pair, "axis") and not _is_of_zero(pair)
+    is_one_axis = not pair[0].has_axis or _agree(pair, "axis")
+    return is_one and not is_arranged and is_one_axis and not _is_of_zero(pair)
 
 
 def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
