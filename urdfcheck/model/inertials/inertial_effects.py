@@ -37,6 +37,9 @@ LIGHT = 0.05
 _FAR_MOMENT = 0.5
 # Moments so many times too small are those of a part of a seventh of the size.
 TINY = 50.0
+# Moments that are all so many times too small, to within the other factor, are those of a lighter part of the same shape. Of
+# 1,475 links of published robots with closed meshes one has such: its mass is 0.07 mg.
+SCALED, _ONE_SCALE = 5.0, 1.25
 # Moments that differ by a third in sum are of one size; those of a simpler body are near up to a half.
 SIMILAR, NEAR = 1.33, 1.5
 # Bodies whose formula is typed for a part that has none.
@@ -185,6 +188,23 @@ def is_tiny(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
         return False
     uniform = compute_solid_inertia(drawn.solid, judged.declared.mass)
     return float(np.trace(uniform)) >= TINY * float(np.trace(judged.declared.tensor))
+
+
+def is_scaled_down(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether all moments of a tensor are the same small part of those of the drawn part, about its axes.
+
+    Lumps make the moments about some axes smaller, and those about others less so. Mass and tensor are of two parts, or a decimal
+    point slipped.
+    """
+    drawn = measure_link_geometry(model, link)
+    if drawn is None or not drawn.closed:
+        return False
+    moments, axes = np.linalg.eigh(compute_solid_inertia(drawn.solid, judged.declared.mass))
+    if not moments[0] > 0.0:
+        return False
+    white = axes / np.sqrt(moments) @ axes.T
+    shares = np.linalg.eigvalsh(white @ judged.declared.inertia @ white)
+    return bool(0.0 < shares[-1] < min(1.0 / SCALED, _ONE_SCALE * shares[0]))
 
 
 def is_mark(model: Model, mass: float) -> bool:
