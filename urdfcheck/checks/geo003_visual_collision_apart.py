@@ -109,10 +109,15 @@ def check(
     def is_reported(link: Link) -> bool:
         return any(subject.startswith(f"link[{link.name}]") for subject in reported)
 
+    all_outside = list(iter_outside_collisions(model, gap=gap, covered=covered))
+    # One of several shapes that is elsewhere makes the box around them larger.
+    strayed = {outside.link.name for outside in all_outside if len(outside.link.collisions) > 1}
     for finding in _compare_bodies(model, rule, overlap=overlap, ratio=ratio, covered=covered):
+        if finding.message_id == "size" and finding.severity is Severity.INFO and finding.data["link"] in strayed:
+            continue
         reported.update(finding.subjects)
         yield finding
-    for outside in iter_outside_collisions(model, gap=gap, covered=covered):
+    for outside in all_outside:
         if not is_reported(outside.link):
             xyz = outside.shape.origin.get_attribute("xyz")
             yield rule.finding(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
@@ -90,13 +91,15 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
     yield from _check_singular_links(model, rule, "point", links=points, rel_tol=rel_tol)
     yield from _check_singular_links(model, rule, "line", links=lines, rel_tol=rel_tol)
     if helpers:
-        yield rule.finding(
+        finding = rule.finding(
             "helper",
             at=helpers[0].element,
             related=[declared.element for declared in helpers[1:]],
             severity=Severity.WARNING,
             links=join_names(declared.link.name for declared in helpers),
         )
+        # One more link is a new finding, also for a baseline that has the others.
+        yield replace(finding, subjects=tuple(declared.element.location.subject for declared in helpers))
 
 
 def _compute_moment_extremes(components: Sequence[float]) -> tuple[float, float]:

@@ -39,6 +39,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_placeholder,
     is_possible,
     is_rounded_uniform,
+    is_scaled_down,
     is_slight,
     is_tiny,
     is_too_dense,
@@ -161,8 +162,8 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             if not is_of_pair:
                 yield _build_cause_finding(model, rule, judged, tensor=tensor, others=disputed.get(diagnosis.cause, ""))
         elif _is_far_from_drawing(model, tensor, judged, far=far):
-            is_possible_part = diagnosis.min_moment_ratio > concentrated and not _has_own_tensor(
-                model, tensor.link, judged
+            is_possible_part = diagnosis.min_moment_ratio > concentrated and not (
+                _has_own_tensor(model, tensor.link, judged) or is_scaled_down(model, tensor.link, judged)
             )
             if is_possible_part or is_light(model, tensor.link):
                 doubtful += [] if is_too_dense(model, tensor.link, judged) else [tensor]
@@ -535,6 +536,7 @@ def _find_other_mass(judged: DiagnosedInertial) -> float | None:
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
     drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
     is_sure = is_tiny(model, tensor.link, judged) or _has_own_tensor(model, tensor.link, judged)
+    is_sure |= is_scaled_down(model, tensor.link, judged)
     is_sure &= tensor.link.name not in list_bolted_links(model)
     rank = (None, None) if is_sure else (Severity.INFO, Confidence.HEURISTIC)
     origin = tensor.inertial.origin

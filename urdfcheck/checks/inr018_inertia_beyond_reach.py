@@ -28,8 +28,6 @@ _WITH_GRAMS = {"kg·cm²": "g·cm²", "kg·mm²": "g·mm²"}
 _USUAL = {"com": (0.001, 0.19), "spread": (0.003, 0.27)}
 # Another unit that leaves all links within so many times these shares is not ruled out.
 _POSSIBLE = 1.5
-# A tensor that was typed has no unit, and is wrong from a radius of gyration of one length of the robot on.
-_TYPED_WHOLE = 1.0
 # Nobody types a larger one (kg·m²) to make a program accept the file: it may be a smaller one in another unit.
 _MOST_TYPED = 1.0
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
@@ -71,10 +69,7 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif (
-                far.distance > (whole if _describe_typed(message, far) is None else _TYPED_WHOLE) * reach
-                or is_beyond_own
-            ):
+            elif far.distance > whole * reach or is_beyond_own:
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.
@@ -106,8 +101,8 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
     compare it with its geometry.
 
-    A link that is ``distance`` lengths of the robot away matters as much more. INR006 does not check the COMs of links that draw
-    nothing.
+    A mass that is ``distance`` lengths of the robot away matters with the square of that for the moments of its body. INR006 does
+    not check the COMs of links that draw nothing.
     """
     # Few models have a link that is so far away: the others do without the geometry of inertials.
     from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
@@ -117,7 +112,7 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     body = model.tree.list_body_links(name)
     shares = compute_body_shares(model, body).get(name)
     is_checked = collect_body_corners(model, body) is not None and (index or has_drawn_shape(model.link_by_name[name]))
-    weight = 1.0 if index else max(1.0, distance)
+    weight = 1.0 if index else max(1.0, distance) ** 2
     return not is_checked and shares is not None and shares[index] * weight >= NEGLIGIBLE_SHARE
 
 

@@ -17,6 +17,7 @@ from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_ax
 from urdfcheck.model import Inertial, Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import LEVEL, Wheel, rolling_wheels
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
+from urdfcheck.model.likeness.mirror_pairs import list_named_pairs
 from urdfcheck.model.likeness.shape_comparison import list_alike_links
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 
 # An axis counts as x, y or z, or as upright, to within a little more than a degree.
 _SQUARE = 0.02
+# So many wheels around a base show whether axes point outwards.
+_RING = 3
 # Of a revolute joint (rad), in three digits.
 _WHOLE_TURN = 6.28
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
@@ -288,18 +291,22 @@ def _build_axis_finding(
 ) -> Finding:
     """Report a joint axis that all evidence contradicts."""
     joint = wheel.joint
-    own = drawn.axis * _choose_axis_sign(model, joint, drawn.axis)
+    sign, is_decided = _choose_axis_sign(model, joint, drawn.axis)
+    own = drawn.axis * sign
     element = joint.axis_element
     attribute = None if element is None else element.attributes.get("xyz")
     agreeing = [witness.kind for witness in wheel.evidence if measure_line_angle(witness.axis, drawn.axis) <= limit]
     return rule.finding(
         "default" if attribute is None else "axis",
         at=joint.axis_location,
-        edits=edit_numbers(attribute, _format_axis(own)),
+        edits=edit_numbers(attribute, _format_axis(own)) if is_decided else [],
         witnesses=" and ".join(agreeing),
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
         own=_format_axis(own),
+        explains=[
+            f"SYM004 joint[{name}]" for name in _list_sides(model, joint)
+        ],  # that its axis is unlike the other side's
         **wheel.names,
     )
 
@@ -319,6 +326,12 @@ def _build_lying_finding(rule: Rule, wheel: _SuspectWheel, *, drawn: Sequence[_A
     )
 
 
+def _list_sides(model: Model, joint: Joint) -> list[str]:
+    """List a joint and its counterparts on the other side, by name."""
+    others = {name for names in list_named_pairs(model) if joint.child in names for name in names}
+    return [joint.name, *(model.tree.parent_joint[name].name for name in sorted(others - {joint.child}))]
+
+
 def _build_upright_finding(
     model: Model, rule: Rule, wheel: _SuspectWheel, *, drawn: _AxisEvidence, others: Sequence[str]
 ) -> Finding:
@@ -330,7 +343,7 @@ def _build_upright_finding(
         others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
         turned=" and ".join(others),
         angle=math.degrees(measure_line_angle(drawn.axis, wheel.axis)),
-        own=_format_axis(drawn.axis * _choose_axis_sign(model, wheel.joint, drawn.axis)),
+        own=_format_axis(drawn.axis * _choose_axis_sign(model, wheel.joint, drawn.axis)[0]),
         **wheel.names,
     )
 
@@ -411,20 +424,56 @@ def _swap_moments(inertial: Inertial, own: Array, axis: Array) -> list[Edit]:
     return swap_values(one, other)
 
 
-def _choose_axis_sign(model: Model, joint: Joint, axis: Array) -> float:
+def _choose_axis_sign(model: Model, joint: Joint, axis: Array) -> tuple[float, bool]:
     """Return the sign that turns an axis of the joint's child to where those of the other wheels point.
 
-    Where left and right differ, those on its side count. Without such wheels it is turned to the robot's left, or along +x or
-    +z if it is nearer to that.
+    Also whether these, or the sign of the one number that was typed, decide it.
+
+    Wheels around a base point outwards, or all inwards. Where left and right differ, those on the joint's side count. Without
+    such wheels the axis is turned to the robot's left, or along +x or +z if it is nearer to that.
     """
     frame = model.frames[joint.child]
     rotated = frame[:3, :3] @ axis
-    others = [w for w in rolling_wheels(model) if w.joint is not joint and measure_line_angle(w.axis, rotated) < LEVEL]
-    for group in (others, [w for w in others if _is_on_one_side(model, joint, w.joint, rotated, others)]):
+    others = [w for w in rolling_wheels(model) if w.joint is not joint]
+    if ring := _find_sign_in_ring(model, joint, rotated, others):
+        return ring, True
+    parallel = [w for w in others if measure_line_angle(w.axis, rotated) < LEVEL]
+    beside = [w for w in parallel if _is_on_one_side(model, joint, w.joint, rotated, parallel)]
+    for group in (parallel, beside):
         signs = {math.copysign(1.0, float(wheel.axis @ rotated)) for wheel in group}
         if len(signs) == 1:
-            return signs.pop()
-    return math.copysign(1.0, float(rotated[int(np.abs(rotated).argmax())]))
+            sign = signs.pop()
+            # The wheels of the other side only may point the other way.
+            return sign, bool(beside) or len(group) > 1 or _is_typed_with(joint, sign * axis)
+    sign = math.copysign(1.0, float(rotated[int(np.abs(rotated).argmax())]))
+    return sign, _is_typed_with(joint, sign * axis)
+
+
+def _find_sign_in_ring(model: Model, joint: Joint, rotated: Array, others: Sequence[Wheel]) -> float | None:
+    """Return the sign that turns an axis (3,), in root coordinates, outwards or inwards like those of all other wheels around a
+    base; None where they do not stand around one."""
+    if len(others) < _RING - 1:
+        return None
+    places = np.array([model.frames[one.child][:3, 3] for one in (joint, *(wheel.joint for wheel in others))])
+    spokes = places - places.mean(axis=0)
+    spokes /= np.maximum(np.linalg.norm(spokes, axis=1), 1e-12)[:, None]
+    along = [float(spoke @ axis) for spoke, axis in zip(spokes, (rotated, *(w.axis for w in others)), strict=True)]
+    signs = {math.copysign(1.0, one) for one in along[1:]}
+    if len(signs) > 1 or min(map(abs, along)) < 1 - LEVEL:
+        return None
+    return signs.pop() * math.copysign(1.0, along[0])
+
+
+def _is_typed_with(joint: Joint, axis: Array) -> bool:
+    """Whether the axis of a joint is along a coordinate, and its one number has the sign of that of another ``axis`` (3,).
+
+    Then the number is in another place only.
+    """
+    typed = np.array(joint.axis or (0.0, 0.0, 0.0))
+    return (
+        int(np.count_nonzero(np.abs(typed) > _SQUARE)) == 1
+        and float(typed.sum()) * float(axis[int(np.abs(axis).argmax())]) > 0.0
+    )
 
 
 def _is_on_one_side(model: Model, one: Joint, other: Joint, across: Array, wheels: Sequence[Wheel]) -> bool:

@@ -334,6 +334,8 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         "why": odd.why,
         "angle": math.degrees(odd.angle),
         "size": math.degrees(abs(odd.angle)),
+        # A wheel with camber stands higher or lower than the others.
+        "explains": [f"SYM006 joint[{joint.name}]"] if odd.kind == "axis_tilt" else [],
     }
     if correction is None:
         chain = trace_fixed_chain(model, joint, find_common_base(model, (joint, *others)))

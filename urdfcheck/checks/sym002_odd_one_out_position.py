@@ -253,6 +253,8 @@ def _format_xyz(correction: _PositionCorrection, near: float) -> list[str]:
             words.append(word)
         elif spelled and abs(value) > near:
             words.append(("-" if value < 0 else "") + spelled[0].lstrip("+-"))
+        elif spelled and all(parse_number(other) == 0.0 for other in spelled):
+            words.append("0")
         else:
             decimals = max([len(w[i].partition(".")[2]) for w in (typed, *others) if len(w) == 3], default=6)
             text = f"{value:.{min(max(decimals, 3), 6)}f}"

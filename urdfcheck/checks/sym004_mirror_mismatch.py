@@ -76,6 +76,8 @@ _SAME_MASS = 0.2
 # Moments of two sides that differ by less, as a share of a length, need no explanation; a mistake that is one leaves less than
 # the other share of it.
 _SLIGHT_SPREAD, _NEARER = 0.01, 0.5
+# Tensors of two exports of one part differ by less (chosen).
+_TWO_EXPORTS = 0.1
 # A COM is the drawn part's within this share of a radius of gyration.
 _OWN_COM = 0.02
 # A COM is outside its drawing beyond this share of the drawing's size, as for INR006.
@@ -231,6 +233,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         remedies = [] if written is None else [_describe_remedy(written, note)]
     # Masses stay as they are: where they differ, the rest alone repairs nothing.
     is_partial = shared or written is None or deviation.mass > shares.differ
+    # One slip moves a COM beyond its part; that the tensors differ as those of two exports is nothing that the twin repairs.
+    is_partial |= deviation.com_offset > 1.0 and note < deviation.spread < _TWO_EXPORTS
     edits = () if is_partial or written is None else make_attribute_edits(list_inertial_changes(written, note))
     if is_barred:
         remedies.append(

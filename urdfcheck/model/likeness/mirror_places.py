@@ -158,21 +158,29 @@ def _describe_slip(slip: OriginSlip) -> PlaceMistake:
 
 
 def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
-    both, is_axis = (lone.joint, lone.twin), lone.attribute == "axis"
-    at, related = (joint.axis_location if is_axis else locate_origin_attribute(joint, "rpy") for joint in both)
-    typed, expected = (
-        format_point((joint.axis if is_axis else joint.origin.rpy) or (0.0, 0.0, 0.0), decimals=6) for joint in both
-    )
+    both, name = (lone.joint, lone.twin), lone.attribute
+    at, related = (joint.axis_location if name == "axis" else locate_origin_attribute(joint, name) for joint in both)
+    numbers = [
+        (joint.axis if name == "axis" else joint.origin.rpy if name == "rpy" else joint.origin.xyz) or (0.0, 0.0, 0.0)
+        for joint in both
+    ]
+    typed, expected = (format_point(three, decimals=6) for three in numbers)
     data = {
         "joint": lone.joint.name,
         "twin": lone.twin.name,
-        "what": "axis" if is_axis else "origin's rpy",
+        "what": "axis" if name == "axis" else f"origin's {name}",
         "typed": typed,
         "expected": expected,
-        "count": lone.witnesses,
+        "others": "The other pair agrees" if lone.witnesses == 1 else f"The {lone.witnesses} other pairs agree",
         "between": _list_subjects(both),
     }
-    return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
+    if lone.joint.is_movable:
+        return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
+    off = np.abs(np.abs(numbers[0]) - np.abs(numbers[1]))
+    is_place = name == "xyz"
+    data["off"] = f"{1e3 * float(np.linalg.norm(off)):.3g} mm" if is_place else f"{math.degrees(off.max()):.3g}°"
+    data["rest"] = "angles" if is_place else "places"
+    return PlaceMistake(message="lone_place", joints=both, at=at, related=(related,), data=data)
 
 
 def _describe_odd_sign(odd: OddSign) -> PlaceMistake:
@@ -214,7 +222,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         else one.origin.get_attribute(odd.attribute)
         for one in (joint, odd.others[0])
     )
-    words = format_point(odd.expected, decimals=6).split() if like is None or odd.is_spoke else like.value.split()
+    words = format_point(odd.expected, decimals=6).split() if like is None or odd.kind != "odd" else like.value.split()
     if odd.attribute == "xyz":
         signs = ["-" if value < 0 else "" for value in odd.expected.tolist()]
         words = [sign + word.lstrip("+-") for sign, word in zip(signs, words, strict=True)]
@@ -235,7 +243,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         "expected": expected,
     }
     return PlaceMistake(
-        message="spoke" if odd.is_spoke else "odd",
+        message=odd.kind,
         joints=(joint,),
         at=places[0],
         related=tuple(places[1:]),

@@ -34,6 +34,8 @@ _PLACE_SHARE = 3e-4
 _EXACT = 1e-9
 # Axes are each other's negative within this, in each coordinate.
 _NEGATIVE = 2e-3
+# A range of one side is that of the other in degrees to within this share: three typed digits.
+_IN_DEGREES = 0.01
 # Limits that were typed alike agree to within the digits of a conversion.
 _DIGITS = 1e-6
 # Ranges of two sides are about the same within this share of them (chosen).
@@ -421,6 +423,8 @@ def _compute_expected_range(
     (a, b), (c, d) = _get_bounds(one), _get_bounds(other)
     if one.type not in {"revolute", "prismatic"} or pair.drawn_as in {"neither", "copied"} or not (a < b and c < d):
         return {}
+    if one.type == "revolute" and _are_in_two_units((a, b), (c, d)):
+        return {}  # JNT006 reports the one in degrees
     along = float((pair.plane.linear @ model.axes[one.name]) @ model.axes[other.name])
     lower, upper = mirror_range(a, b, along, rotates=one.type == "revolute")
     slack = threshold * max(b - a, d - c)
@@ -441,6 +445,12 @@ def _compute_expected_range(
         return {}
     pairs = (("lower", lower, c), ("upper", upper, d))
     return {name: expected for name, expected, value in pairs if abs(expected - value) > slack}
+
+
+def _are_in_two_units(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    """Whether one range is the other in degrees, and is of more than a turn in radians."""
+    small, large = sorted((one[1] - one[0], other[1] - other[0]))
+    return large > math.tau and math.isclose(large, math.degrees(small), rel_tol=_IN_DEGREES)
 
 
 def _get_bounds(joint: Joint) -> tuple[float, float]:

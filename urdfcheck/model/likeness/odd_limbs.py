@@ -28,6 +28,10 @@ _SAME, _NEAR, _ANGLE = 0.005, 1e-3, 2e-3
 _LEAST_TURN, _STEP, _ROUND = math.radians(0.5), math.radians(15), math.radians(0.06)
 # Ranges of like joints agree within this share.
 _RANGE = 0.05
+# Joints around a middle are as far from it to within this share, and evenly spaced to within this angle (rad); three make a ring.
+_ROUND_RING, _EVEN, _LEAST_RING = 0.01, math.radians(1), 3
+# An axis of a ring is odd beyond this angle (rad): fingers may be set at slightly different ones (chosen).
+_OFF_RING = math.radians(2)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -39,8 +43,9 @@ class OddNumbers:
     attribute: Literal["axis", "xyz", "rpy"]
     expected: Array
     """(3,) What the others have, with the signs of this joint's side."""
-    is_spoke: bool = False
-    """Whether all hang at one place of one link, and one angle differs from joint to joint."""
+    kind: Literal["odd", "spoke", "ring"] = "odd"
+    """``spoke``: all hang at one place of one link, and one angle differs from joint to joint. ``ring``: they are spaced evenly
+    around a middle, and the axes of the others are rotated about it as their places are."""
 
 
 def iter_odd_numbers(model: Model) -> Iterator[OddNumbers]:
@@ -71,6 +76,8 @@ def iter_odd_numbers(model: Model) -> Iterator[OddNumbers]:
         ):
             yield from _find_odd_numbers(model, group)
             yield from _find_odd_spoke(model, group)
+        if group[0].has_axis:
+            yield from _find_odd_in_ring(model, group)
 
 
 def places_something(model: Model, joint: Joint) -> bool:
@@ -154,7 +161,51 @@ def _make_odd_spoke(
     group: Sequence[Joint], index: int, attribute: Literal["xyz", "rpy"], expected: Array
 ) -> OddNumbers:
     others = (*group[:index], *group[index + 1 :])
-    return OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected, is_spoke=True)
+    return OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected, kind="spoke")
+
+
+def _find_odd_in_ring(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
+    """Yield the joint of a ring whose axis is not rotated about its middle as those of the others are: fingers of a gripper,
+    wheels of a base that drives to all sides."""
+    frames = [joint.origin.matrix for joint in group]
+    if len(group) < _LEAST_RING or len({joint.parent for joint in group}) > 1 or any(frame is None for frame in frames):
+        return
+    known = np.array(frames)
+    bases = _build_ring_frames(known[:, :3, 3])
+    axes = np.array([joint.axis or (0.0, 0.0, 0.0) for joint in group])
+    if bases is None or not axes.any(axis=1).all():
+        return
+    axes = axes / np.linalg.norm(axes, axis=1)[:, None]
+    # Each axis outwards, around and along the normal of the ring.
+    inner = np.einsum("nji,njk,nk->ni", bases, known[:, :3, :3], axes)
+    index = _find_odd_vector(inner)
+    if index is None or float(abs(inner[index] @ inner[index - 1])) > math.cos(_OFF_RING):
+        return
+    others = (*group[:index], *group[index + 1 :])
+    if is_of_other_kind(group[index], others) or is_alike(model, group[index].child, group[index - 1].child) is False:
+        return
+    expected = known[index, :3, :3].T @ bases[index] @ inner[index - 1]
+    yield OddNumbers(joint=group[index], others=others, attribute="axis", expected=expected, kind="ring")
+
+
+def _build_ring_frames(places: Array) -> Array | None:
+    """Build the axes (n, 3, 3) outwards, around and along the normal at each of some places (n, 3) that are spaced evenly around
+    their middle; None where they are not."""
+    spokes = places - places.mean(axis=0)
+    lengths = np.linalg.norm(spokes, axis=1)
+    if float(lengths.min()) <= _NEAR or float(np.ptp(lengths)) > _ROUND_RING * float(lengths.max()):
+        return None
+    normal = np.linalg.svd(spokes)[2][2]
+    normal = normal * (1.0 if float(normal[int(np.abs(normal).argmax())]) > 0 else -1.0)
+    if float(np.abs(spokes @ normal).max()) > _ROUND_RING * float(lengths.max()):
+        return None
+    outwards = spokes / lengths[:, None]
+    around = np.cross(normal, outwards)
+    turns = np.sort(np.arctan2(outwards @ around[0], outwards @ outwards[0]))
+    gaps = np.diff(np.append(turns, turns[0] + math.tau))
+    if float(np.abs(gaps - math.tau / len(places)).max()) > _EVEN:
+        return None
+    return np.stack((outwards, around, np.broadcast_to(normal, outwards.shape)), axis=2)
 
 
 def _agree(values: Array, odd: Sequence[int]) -> bool:
@@ -178,7 +229,7 @@ def _find_odd_vector(values: Array) -> int | None:
 def _find_odd_place(places: Array) -> int | None:
     """Return the only place (3,) whose distances along the axes differ from those of the others."""
     index = _find_odd_vector(np.abs(places))
-    if index is None or np.linalg.norm(places[index - 1]) < _NEAR:
+    if index is None:
         return None
     return index if np.abs(np.abs(places[index]) - np.abs(places[index - 1])).max() > _NEAR else None
 

@@ -71,7 +71,8 @@ def find_origin_slips(model: Model) -> tuple[OriginSlip, ...]:
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
     pairs = mirror_pairs(model)
-    return tuple(slip for pair in pairs if (slip := _find_slip(model, pair, pairs)) is not None)
+    found = (_find_slip(model, pair, pairs) or _find_slip_to_other_side(model, pair, pairs) for pair in pairs)
+    return tuple(slip for slip in found if slip is not None)
 
 
 def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> OriginSlip | None:
@@ -82,7 +83,8 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
     places = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
     is_same = np.abs(places[0] - places[1]).max() <= _LEAST
     # A fixed sensor may be mounted alike on mirrored parts.
-    may_be_same = not one.is_movable or not are_parents_mirrored(joints, known_pairs)
+    is_next_mirrored = is_same and one.is_movable and _are_next_mirrored(model, pair, known_pairs)
+    may_be_same = not one.is_movable or not (are_parents_mirrored(joints, known_pairs) or is_next_mirrored)
     if is_same and one.parent != other.parent and may_be_same:
         return None  # one module on both sides
     images = [_compute_image(model, pair, joint, twin) for joint, twin in ((one, other), (other, one))]
@@ -92,7 +94,8 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
             model, pair, known_pairs, 1 if is_same or kind == "decimal" else WITNESSES
         ):
             continue
-        if kind == "sign" and pair.drawn_as != "mirrored" and _is_placed_by_turn(model, pair, joints):
+        may_be_turned = pair.drawn_as != "mirrored" and not is_next_mirrored
+        if kind == "sign" and may_be_turned and _is_placed_by_turn(model, pair, joints):
             continue  # a part that is rotated by half a turn may be placed by half a turn as well
         if pair.is_in_place or are_children_mirrored(model, pair, known_pairs):
             continue  # one joint takes back what another one adds: the correction would displace all that follows
@@ -106,6 +109,32 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
             twin_expected=images[1 - index],
         )
     return None
+
+
+def _find_slip_to_other_side(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> OriginSlip | None:
+    """Find the sign that puts a joint in the place of its twin on one link, beside the plane of all limbs but these two."""
+    joints = find_carrying_joints(model, pair)
+    if joints is None or not pair.is_named or joints[0].parent != joints[1].parent or not joints[0].is_movable:
+        return None
+    places = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
+    if float(np.abs(places[0] - places[1]).max()) > PLACE:
+        return None
+    others = [
+        known
+        for known in known_pairs
+        if known.is_named and known.is_in_place and not known.is_attached_to(pair) and not pair.is_attached_to(known)
+        and abs(float(known.plane.normal @ pair.plane.normal)) > 1 - _PARALLEL
+        and abs(known.plane.offset - pair.plane.offset) > PLACE
+    ]  # fmt: skip
+    planes = [known.plane for known in others]
+    if len(planes) < WITNESSES or any(abs(plane.offset - planes[0].offset) > PLACE for plane in planes):
+        return None
+    parent = model.frames[joints[0].parent]
+    image = planes[0].reflect_points(model.frames[pair.one][:3, 3]) - parent[:3, 3]
+    expected: Array = parent[:3, :3].T @ image
+    if _name_slip(places[1], expected) != "sign":
+        return None
+    return OriginSlip(joint=joints[1], twin=joints[0], kind="sign", expected=expected, twin_expected=expected)
 
 
 def find_carrying_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | None:
@@ -129,6 +158,26 @@ def _has_witnesses(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorP
         image = _compute_image(model, known, joints[1], joints[0])
         count += length > _LEAST and np.abs(place - image).max() <= min(PLACE, _SAME * length)
     return count >= least
+
+
+def _are_next_mirrored(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]) -> bool:
+    """Whether the joints next behind a pair, and those before it, are mirror images with other signs than each other's: then no
+    module is on both sides."""
+    both = {pair.one, pair.other}
+    before = model.tree.parent_joint
+    next_pairs = [known for known in known_pairs if {before[known.one].parent, before[known.other].parent} == both]
+    above = [known for known in known_pairs if {known.one, known.other} == {before[name].parent for name in both}]
+    return bool(above) and any(_is_mirrored_by_sign(model, known) for known in next_pairs)
+
+
+def _is_mirrored_by_sign(model: Model, pair: MirrorPair) -> bool:
+    """Whether the origins of a pair's joints are mirror images in their parents, and differ in a sign."""
+    joints = find_carrying_joints(model, pair)
+    if joints is None or not pair.is_named:
+        return False
+    places = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
+    is_image = float(np.abs(places[1] - _compute_image(model, pair, joints[1], joints[0])).max()) <= PLACE
+    return is_image and float(np.abs(places[0] - places[1]).max()) > _LEAST
 
 
 def _is_placed_by_turn(model: Model, pair: MirrorPair, joints: tuple[Joint, Joint]) -> bool:

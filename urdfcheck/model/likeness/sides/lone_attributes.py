@@ -11,6 +11,8 @@ import numpy as np
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.likeness.mirror_pairs import list_named_pairs
 from urdfcheck.model.likeness.mirrored_joints import TURNING
+from urdfcheck.model.likeness.odd_limbs import places_something
+from urdfcheck.model.likeness.shape_comparison import is_alike
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
 
@@ -19,6 +21,9 @@ if TYPE_CHECKING:
 
 # So many other pairs agree (chosen).
 _WITNESSES = 3
+# So many other pairs of fixed joints agree about their places, and so far off (m) is one that does not: a calibration is
+# less, and a part that is farther off is arranged otherwise. All three are chosen.
+_FIXED_WITNESSES, _LEAST_OFF, _MOST_OFF = 4, 2e-3, 0.05
 # Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
 _SAME = {"axis": 2e-3, "xyz": 1e-3, "rpy": 2e-3}
 # A smaller angle (rad) is one between two exports; a multiple of the step, to within this, is an arrangement. All
@@ -34,31 +39,80 @@ class LoneAttribute:
 
     joint: Joint
     twin: Joint
-    attribute: Literal["axis", "rpy"]
+    attribute: Literal["axis", "rpy", "xyz"]
     witnesses: int
     """How many other pairs agree."""
 
 
 def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
-    """Yield the only pair of left and right joints whose axes, or angles, differ in more than signs.
+    """Yield the only pair of left and right joints whose axes, angles or fixed places differ in more than signs.
 
     Their places, and what their links draw, are typed alike on both sides: no other choice of frames explains it.
 
     :raises FactUnavailableError: when the tree is broken.
     """
     pairs = _list_pairs(model)
-    if len(pairs) <= _WITNESSES:
-        return
     attributes: tuple[Literal["axis", "rpy"], ...] = ("axis", "rpy")
     for attribute in attributes:
         odd = [pair for pair in pairs if not _agree(pair, attribute)]
-        if len(odd) == 1 and _is_slip(model, odd[0], attribute):
-            one, other = odd[0]
+        if len(odd) != 1 or not _is_slip(model, odd[0], attribute):
+            continue
+        one, other = odd[0]
+        is_across = attribute == "axis" and one.parent == other.parent and _is_across(odd[0])
+        if len(pairs) > (1 if is_across else _WITNESSES):
             yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+    yield from _find_lone_bolted(model)
+
+
+def _find_lone_bolted(model: Model) -> Iterator[LoneAttribute]:
+    """Yield the only two fixed joints of two limbs whose places, or angles, differ in more than signs, as typed.
+
+    Sensors and covers of one body are where there is room for them.
+    """
+    all_pairs = _list_joints_of_pairs(model)
+    pairs = [
+        pair
+        for pair in all_pairs
+        if pair[0].type == "fixed"
+        and (pair[0].parent != pair[1].parent or any(_hangs_on(known, pair) for known in all_pairs))
+        and all(places_something(model, joint) for joint in pair)
+    ]
+    attributes: tuple[Literal["xyz", "rpy"], ...] = ("xyz", "rpy")
+    for attribute in attributes if len(pairs) > _FIXED_WITNESSES else ():
+        odd = [pair for pair in pairs if not _agree(pair, attribute)]
+        if len(odd) != 1 or is_alike(model, odd[0][0].child, odd[0][1].child) is False:
+            continue
+        one, other = odd[0]
+        if attribute == "rpy":
+            is_slip = _is_slip(model, odd[0], attribute)
+        else:
+            first, second = (_read(joint, "xyz") for joint in odd[0])
+            off = 0.0 if first is None or second is None else float(np.linalg.norm(first - second))
+            is_same_otherwise = _agree(odd[0], "rpy") and _is_drawn_alike(model, odd[0])
+            behind = [known for known in all_pairs if _hangs_on(known, odd[0])]
+            is_slip = _LEAST_OFF < off < _MOST_OFF and is_same_otherwise and all(_agree(k, "xyz") for k in behind)
+        if is_slip:
+            yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+
+
+def _hangs_on(pair: tuple[Joint, Joint], above: tuple[Joint, Joint]) -> bool:
+    """Whether the joints of a pair hang on the links of another one."""
+    return {joint.parent for joint in pair} == {joint.child for joint in above}
+
+
+def _is_across(pair: tuple[Joint, Joint]) -> bool:
+    """Whether two axes are along two coordinates of frames that are typed alike: on one link one other pair is enough then."""
+    axes = [_read(joint, "axis") for joint in pair]
+    return all(axis is not None and float(axis.max()) > 1 - _SAME["axis"] for axis in axes)
 
 
 def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
     """List the left and right joints that move, of one type, on one link or on two that are a pair."""
+    return [pair for pair in _list_joints_of_pairs(model) if pair[0].has_axis]
+
+
+def _list_joints_of_pairs(model: Model) -> list[tuple[Joint, Joint]]:
+    """List the left and right joints of one type, on one link or on two that are a pair."""
     both = dict.fromkeys(list_named_pairs(model))
     joints = [tuple(model.tree.parent_joint.get(name) for name in names) for names in both]
     return [
@@ -66,7 +120,6 @@ def _list_pairs(model: Model) -> list[tuple[Joint, Joint]]:
         for one, other in joints
         if one is not None
         and other is not None
-        and one.has_axis
         and one.type == other.type
         and (one.parent == other.parent or (one.parent, other.parent) in both)
     ]
@@ -88,8 +141,13 @@ def _read(joint: Joint, attribute: str) -> Array | None:
     values = joint.origin.xyz if attribute == "xyz" else joint.origin.rpy
     if values is None:
         return None
-    # An angle that is half a turn away is another choice of axes.
-    return np.abs(values if attribute == "xyz" else np.remainder(np.add(values, math.pi / 2), math.pi) - math.pi / 2)
+    return np.abs(values) if attribute == "xyz" else _fold_angles(values)
+
+
+def _fold_angles(rpy: Sequence[float]) -> Array:
+    """Return angles (rad) without signs and half turns: an angle that is half a turn away is another choice of axes."""
+    folded: Array = np.abs(np.remainder(np.add(rpy, math.pi / 2), math.pi) - math.pi / 2)
+    return folded
 
 
 def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
@@ -111,7 +169,8 @@ def _is_slip(model: Model, pair: tuple[Joint, Joint], attribute: str) -> bool:
     angle = float(off.max())
     is_one = int((off > _SAME["rpy"]).sum()) == 1 and angle > _LEAST
     is_arranged = abs(angle - round(angle / _STEP) * _STEP) <= _ROUND
-    return is_one and not is_arranged and _agree(pair, "axis") and not _is_of_zero(pair)
+    is_one_axis = not pair[0].has_axis or _agree(pair, "axis")
+    return is_one and not is_arranged and is_one_axis and not _is_of_zero(pair)
 
 
 def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
@@ -125,11 +184,11 @@ def _is_of_zero(pair: tuple[Joint, Joint]) -> bool:
 
 
 def _is_drawn_alike(model: Model, pair: tuple[Joint, Joint]) -> bool:
-    """Whether the shapes of both links are as many, with the same angles apart from signs."""
+    """Whether the shapes of both links are as many, with the same angles apart from signs and half turns."""
     shapes = [model.link_by_name[joint.child].visuals for joint in pair]
     return len(shapes[0]) == len(shapes[1]) and all(
         one.origin.rpy is not None
         and other.origin.rpy is not None
-        and bool(np.abs(np.abs(one.origin.rpy) - np.abs(other.origin.rpy)).max() <= _SAME["rpy"])
+        and bool(np.abs(_fold_angles(one.origin.rpy) - _fold_angles(other.origin.rpy)).max() <= _SAME["rpy"])
         for one, other in zip(*shapes, strict=True)
     )
