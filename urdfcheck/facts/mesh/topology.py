@@ -8,7 +8,7 @@ takes twenty.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from functools import partial
+from functools import partial, reduce
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
@@ -448,14 +448,16 @@ def _find_lowest_connected(groups: Indices, count: int) -> Indices:
     O(log n) parallel connectivity algorithm*, 1982). What is then still apart goes on with the lowest ones.
     """
     lowest = np.arange(count, dtype=groups.dtype)
-    while len(groups):
-        aim = groups.min(axis=1)
-        for column in groups.T:
+    columns = [*np.ascontiguousarray(groups.T)]  # numpy takes ten times as long for what is along rows of three
+    while len(columns[0]):
+        aim = reduce(np.minimum, columns)
+        for column in columns:
             np.minimum.at(lowest, column, aim)
         while not np.array_equal(following := np.take(lowest, lowest), lowest):
             lowest = following
-        groups = np.take(lowest, groups)
-        groups = groups[(groups[:, 1:] != groups[:, :1]).any(axis=1)]
+        columns = [np.take(lowest, column) for column in columns]
+        are_apart = reduce(np.logical_or, [column != columns[0] for column in columns[1:]])
+        columns = [column[are_apart] for column in columns]
     return lowest
 
 
