@@ -18,7 +18,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder, Resource
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.system.array_cache import ArrayCache
-from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, read_regular, read_with_digest
 from urdfcheck.system.installation import compute_code_version, find_library_origin
 
 if TYPE_CHECKING:
@@ -148,8 +148,8 @@ def recall_mesh(path: Path, digest: str, cache: ArrayCache) -> MeshFacts | None:
     try:
         data = None
         if "summary" not in parts:
-            data = read_regular(path, MAX_MESH)
-            if hashlib.sha256(data).hexdigest() != digest:
+            data, found_digest = read_with_digest(path, MAX_MESH)
+            if found_digest != digest:
                 return None
         found = _recall_or_measure(_Content(path, digest, data), parts)
     except (OSError, ImportError):

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.system.cache_folder import note_use, write_atomically
-from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_regular
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_with_digest
 from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, note_content
 
 if TYPE_CHECKING:
@@ -71,8 +71,7 @@ class ArrayCache:
                 if known == stamp and len(digest) == 64:
                     note_content(path, status, digest)
                     return digest, None
-        data = read_regular(path, limit)
-        digest = compute_sha256(data)
+        data, digest = read_with_digest(path, limit)
         if place is not None and time.time_ns() - status.st_mtime_ns > SETTLED_NS:
             write_atomically(place, f"{stamp} {digest}".encode("ascii"))
         return digest, data

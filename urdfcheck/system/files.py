@@ -113,6 +113,15 @@ def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
     :raises FileTooLargeError: when it has more than ``limit`` of them.
     :raises OSError: for anything but a regular file, and when it cannot be read.
     """
+    return _read_whole(path, limit, with_digest=is_observing())[0]
+
+
+def read_with_digest(path: Path, limit: int) -> tuple[bytes, str]:
+    """Do the same as `read_regular`, and return the SHA-256 of the bytes, in hex, too."""
+    return _read_whole(path, limit, with_digest=True)
+
+
+def _read_whole(path: Path, limit: int, *, with_digest: bool) -> tuple[bytes, str]:
     with _open_regular(path) as (file, size, status):
         note_content(path, status)
         if size > limit:
@@ -124,9 +133,11 @@ def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
                 break
     if len(data) > limit:
         raise FileTooLargeError(limit, len(data))
-    if is_observing():
-        note_content(path, status, compute_sha256(data))
-    return data
+    if not with_digest:
+        return data, ""
+    digest = compute_sha256(data)
+    note_content(path, status, digest)
+    return data, digest
 
 
 def read_start(path: Path, count: int, *, follows_link: bool = True) -> bytes:

@@ -16,6 +16,7 @@ import signal
 import sys
 import time
 from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from functools import partial
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
@@ -32,6 +33,10 @@ WORKER_VARIABLES = (*_THREAD_VARIABLES, "PYTHONSAFEPATH")
 _FEW, _PATIENCE = 4, 0.3
 # From linux/prctl.h: the signal that a process gets when its parent ends.
 _PR_SET_PDEATHSIG = 1
+# From glibc's malloc.h: how much free memory a process keeps at most, and how many blocks it takes beside that.
+_M_TRIM_THRESHOLD, _M_MMAP_MAX = -1, -4
+# What a large mesh takes.
+_KEPT_BYTES = 256 * 1024**2
 # Bytes of an answer; the texts of its files have at most an eighth of it.
 MAX_ANSWER = 1024**3
 # Seconds without a job after which a worker looks for garbage, rather than before its next job.
@@ -222,6 +227,7 @@ def _serve_jobs(
     pipe: Connection, prepare: Callable[[], object] | None, inherited: Connection | None, parent: int
 ) -> None:
     end_with_parent(parent)
+    give_back = _keep_freed_memory()
     # An interrupt from the keyboard reaches every process of the terminal; the parent ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
@@ -243,6 +249,7 @@ def _serve_jobs(
             is_busy = pipe.poll(_BREAK)
             if not is_busy:  # there is time for it now
                 garbage.collect()
+                give_back()
 
 
 class _Garbage:
@@ -285,6 +292,24 @@ def end_with_parent(parent: int) -> None:
     ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
     if os.getppid() != parent:  # it has ended already
         os._exit(0)
+
+
+def _keep_freed_memory() -> Callable[[], object]:
+    """Let this process use memory again that it has freed, and return what gives it back to the system.
+
+    glibc would return each large block at once, and the kernel fills the next with zeros, page by page: a tenth of the time for a
+    large mesh.
+    """
+    if sys.platform != "linux":
+        return lambda: None
+    import ctypes
+
+    library = ctypes.CDLL(None)
+    if not hasattr(library, "mallopt"):  # not glibc
+        return lambda: None
+    library.mallopt(_M_MMAP_MAX, 0)
+    library.mallopt(_M_TRIM_THRESHOLD, _KEPT_BYTES)
+    return partial(library.malloc_trim, 0)
 
 
 def limit_threads() -> None:

@@ -145,6 +145,7 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     for turn in range(_ROUNDS):
         chosen = np.unique(chosen)
         hull = qhull.ConvexHull(points[chosen])
+        corners = seen.rays[:, chosen[hull.simplices]]
         chosen = chosen[hull.vertices]
         slopes = _compute_slopes(hull.equations, seen)
         if slopes is None:
@@ -153,7 +154,7 @@ def _bound_hull(points: Array) -> ConvexHull | None:
         rounding = 16.0 * float(np.finfo(np.float32).eps) * longest * float(np.linalg.norm(slopes, axis=1).max())
         limit = 1.0 + MOST_EXCESS - rounding
         if turn == 0:
-            left = _find_doubtful(seen.rays, slopes, limit)
+            left = _find_doubtful(seen.rays, _measure_grid_gauge(slopes, corners), limit)
         gauge, face = _measure_gauge(seen.rays[:, left].T, slopes)
         is_outside = gauge > limit
         left, gauge, face = left[is_outside], gauge[is_outside], face[is_outside]
@@ -208,10 +209,22 @@ def _measure_gauge(rays: NDArray[Any], slopes: Floats) -> tuple[Floats, Indices]
     return gauge, face
 
 
-def _find_doubtful(rays: Floats, slopes: Floats, limit: float) -> Indices:
-    """Find the rays whose gauge may be above the limit: where what is interpolated between the three corners of a grid is."""
+def _measure_grid_gauge(slopes: Floats, corners: Floats) -> Floats:
+    """Measure the gauge of the points of the bounding grid; ``corners`` (3, F, 3): those of the faces.
+
+    A face whose corners are seen on one side of the cube is seen there as a whole: it is left out on the others.
+    """
+    sides = np.stack([_project(rays)[0] for rays in np.moveaxis(corners, 2, 0)])
+    is_on_one = (sides == sides[0]).all(axis=0)
+    grid = _make_grid(np.linspace(-1.0, 1.0, _BOUNDING + 1)).reshape(6, -1, 3)
+    parts = [_measure_gauge(grid[side], slopes[~is_on_one | (sides[0] == side)])[0] for side in range(6)]
+    return np.concatenate(parts)
+
+
+def _find_doubtful(rays: Floats, gauge: Floats, limit: float) -> Indices:
+    """Find the rays whose gauge may be above the limit: where what is interpolated between the three corners of a grid is, on
+    whose points it is ``gauge``."""
     count = _BOUNDING + 1
-    gauge = _measure_gauge(_make_grid(np.linspace(-1.0, 1.0, count)), slopes)[0]
     doubtful = []
     for start in range(0, rays.shape[1], _CHUNK):
         side, places, height = _project(rays[:, start : start + _CHUNK])
