@@ -21,13 +21,15 @@ class PathArgument:
     name: str
     value: str
     location: Location
-    """Where its value comes from: a launch file, else its declaration."""
+    """Where its value comes from: the file that it was found in, else its declaration."""
     origin: str
-    """default | given | launch."""
+    """default | given | launch: found in a launch file, or in another one that says what the model is started with."""
 
     def __str__(self) -> str:
         shown = {"default": f"default {self.value!r}", "given": f"{self.value!r} is given"}
-        return f"{self.name} ({shown.get(self.origin, f'{self.value!r} in a launch file')})"
+        span = self.location.span
+        file = "another file" if span is None else Path(span.file).name
+        return f"{self.name} ({shown.get(self.origin, f'{self.value!r} in {file}')})"
 
 
 def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[PathArgument]:
