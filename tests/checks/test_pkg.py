@@ -1346,6 +1346,8 @@ def test_the_folder_of_another_variant_is_not_what_is_meant(tmp_path: Path, fold
         Path(path).parent.name == name or path == name for path, name in zip(finding.data["near"], near, strict=True)
     )
     assert ("the package q, which has them" in finding.message) == (near == ["q"])
+    assert finding.fix is not None
+    assert ("and declare q in package.xml" in finding.fix.title) == (near == ["q"])
 
 
 @pytest.mark.parametrize(("build", "told"), [("ament_cmake", True), ("ament_python", True), ("catkin", False)])
