@@ -163,6 +163,15 @@ def test_the_address_of_a_submodule_may_say_what_it_is(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("if it is in a submodule (x), check that out")
 
 
+@pytest.mark.parametrize(("url", "is_named"), [("https://h/u/arms.git", True), ("https://h/u/legs.git", False)])
+def test_a_package_may_be_in_a_repository_that_is_to_be_imported(tmp_path: Path, url: str, is_named: bool) -> None:
+    entry = f"repositories:\n  x/y:\n    type: git\n    url: {url}\n    version: main\n"
+    write(tmp_path, {".git/HEAD": "", "needed.repos": entry})
+    finding = only(audit(package(tmp_path, depends="arms"), make_mesh_link("a", "package://arms/a.stl")))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("if it is in x/y of needed.repos, import that: `vcs import < ") == is_named
+
+
 def test_a_released_package_is_declared(tmp_path: Path) -> None:
     write(tmp_path, {".gitmodules": '[submodule "q"]\n\tpath = lib\n\turl = u\n'})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/a.stl")))
