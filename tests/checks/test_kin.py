@@ -730,3 +730,15 @@ def test_a_macro_joins_the_pieces_if_its_call_says_to_what(tmp_path: Path) -> No
     (finding,) = check_text(tmp_path, text, codes={"KIN005"}, name="r.urdf.xacro").findings
     assert finding.fix is not None
     assert finding.fix.title.endswith("or pass up to macro arm, which then makes one")
+
+
+@pytest.mark.parametrize(("launch", "severity"), [("gazebo_ros r.urdf", Severity.WARNING), ("rviz", Severity.INFO)])
+def test_a_name_that_only_sdf_refuses_matters_where_gazebo_is_used(
+    tmp_path: Path, launch: str, severity: Severity
+) -> None:
+    files = {"package.xml": "<package><name>p</name></package>", "a.launch": f"<launch>{launch}</launch>"}
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    text = robot(link("a"), link("b"), joint("b", "a", "b", kind="continuous"))
+    (finding,) = check_text(tmp_path, text, codes={"KIN001"}, name="r.urdf").findings
+    assert (finding.message_id, finding.severity) == ("shared", severity)

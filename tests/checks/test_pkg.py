@@ -165,6 +165,15 @@ def test_the_address_of_a_submodule_may_say_what_it_is(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("if it is in a submodule (x), check that out")
 
 
+@pytest.mark.parametrize(("url", "is_named"), [("https://h/u/arms.git", True), ("https://h/u/legs.git", False)])
+def test_a_package_may_be_in_a_repository_that_is_to_be_imported(tmp_path: Path, url: str, is_named: bool) -> None:
+    entry = f"repositories:\n  x/y:\n    type: git\n    url: {url}\n    version: main\n"
+    write(tmp_path, {".git/HEAD": "", "needed.repos": entry})
+    finding = only(audit(package(tmp_path, depends="arms"), make_mesh_link("a", "package://arms/a.stl")))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("if it is in x/y of needed.repos, import that: `vcs import < ") == is_named
+
+
 def test_a_released_package_is_declared(tmp_path: Path) -> None:
     write(tmp_path, {".gitmodules": '[submodule "q"]\n\tpath = lib\n\turl = u\n'})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/a.stl")))
@@ -1348,6 +1357,8 @@ def test_the_folder_of_another_variant_is_not_what_is_meant(tmp_path: Path, fold
         Path(path).parent.name == name or path == name for path, name in zip(finding.data["near"], near, strict=True)
     )
     assert ("the package q, which has them" in finding.message) == (near == ["q"])
+    assert finding.fix is not None
+    assert ("and declare q in package.xml" in finding.fix.title) == (near == ["q"])
 
 
 @pytest.mark.parametrize(("build", "told"), [("ament_cmake", True), ("ament_python", True), ("catkin", False)])

@@ -93,6 +93,21 @@ def test_a_model_that_xacro_wrote_elsewhere_lacks_only_what_is_installed_there(t
     assert [skip.code for skip in run.skipped] == ["MSH001"]
 
 
+@pytest.mark.parametrize(("beside", "message"), [("notes.txt", "files-declared"), ("meshes/a.stl", "files")])
+def test_a_model_in_no_package_may_use_what_a_package_of_the_project_depends_on(
+    tmp_path: Path, beside: str, message: str
+) -> None:
+    (tmp_path / ".git").mkdir()
+    depends = "<exec_depend>gone</exec_depend>"
+    write(tmp_path, "p/package.xml", text=f'<package format="3"><name>p</name>{depends}</package>')
+    write(tmp_path, beside)
+    shape = link("l", visual(mesh("package://gone/meshes/a.stl")))
+    write(tmp_path, "data/r.urdf", text=f'<robot name="r">{shape}</robot>')
+    run = check(tmp_path / "data/r.urdf", codes={"PKG001", "MSH001"})
+    assert [f.message_id for f in run.findings] == [message]
+    assert bool(run.skipped) == (message == "files-declared")
+
+
 @pytest.mark.parametrize(("count", "named"), [(2, False), (3, True)])
 def test_one_mesh_of_a_common_name_does_not_make_another_robots_package_the_meant_one(
     tmp_path: Path, count: int, named: bool

@@ -1489,3 +1489,23 @@ def test_the_repair_of_an_argument_fits_the_place_that_reads_it(
     finding = only(check_text(tmp_path, robot_, "r.urdf.xacro", codes={"XAC010"}))
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+
+
+def test_a_package_from_elsewhere_may_have_a_release_with_the_prefixes(tmp_path: Path) -> None:
+    text = f'{HEAD}<xacro:include filename="$(find q)/a.xacro"/><xacro:arm/></robot>'
+    lamp = '<xacro:macro name="lamp"><link name="lamp"/></xacro:macro>'
+    macro = f'{HEAD}{lamp}<xacro:macro name="arm"><lamp/></xacro:macro></robot>'
+    write(
+        tmp_path,
+        {
+            "own/.git/HEAD": "",
+            "own/p/package.xml": "<package><name>p</name></package>",
+            "own/p/r.urdf.xacro": text,
+            "other/q/package.xml": "<package><name>q</name></package>",
+            "other/q/a.xacro": macro,
+        },
+    )
+    run = check(tmp_path / "own/p/r.urdf.xacro", codes={"XAC007"}, package_paths=[tmp_path / "other"])
+    (finding,) = (f for f in run.findings if f.code == "XAC007")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("; or use a release of q for ROS Noetic or ROS 2")

@@ -326,3 +326,38 @@ def test_a_variable_of_the_robot_is_not_guessed(tmp_path: Path, monkeypatch: pyt
     assert unread.message_id == "environment-unread"
     (unset,) = check(path, codes={"XAC001"}, environment=frozenset({"ROBOT_SIDE"})).findings
     assert (unset.message_id, unset.data["name"]) == ("environment", "ROBOT_SIDE")
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "found"),
+    [
+        ("README.md", "    xacro urdf/arm.urdf.xacro name:=ur > arm.urdf\n", {"name": ("ur", 1)}),
+        (
+            "README.md",
+            "ros2 run xacro xacro arm.urdf.xacro \\\n  name:='' prefix:=\"a_\"\n",
+            {"name": ("", 2), "prefix": ("a_", 2)},
+        ),
+        ("run.sh", "xacro arm.urdf.xacro name:=$1 type:=<type> a:=${b}\n", {}),
+        ("run.sh", "xacro arm.urdf.xacro; roslaunch arm a.launch name:=ur\n", {}),
+        ("README.md", "roslaunch arm a.launch model:=arm.urdf.xacro name:=ur\n", {}),
+        ("README.md", "xacro other_arm.urdf.xacro name:=ur\n", {}),
+        (
+            "CMakeLists.txt",
+            "xacro_add_xacro_file(\n  urdf/arm.urdf.xacro arm.urdf\n  name:=ur)\nset(x type:=y)\n",
+            {"name": ("ur", 3)},
+        ),
+    ],
+)
+def test_commands_in_other_files_of_the_package(
+    file: str, text: str, found: dict[str, tuple[str, int]], tmp_path: Path
+) -> None:
+    model = make_package(tmp_path, {})
+    (model.parents[1] / file).write_text(text)
+    assert list_found(model) == found
+
+
+def test_a_launch_file_comes_before_other_files(tmp_path: Path) -> None:
+    param = '<param name="robot_description" command="xacro $(find arm)/urdf/arm.urdf.xacro name:=b"/>'
+    model = make_package(tmp_path, {"a.launch": f"<launch>{param}</launch>"})
+    (model.parents[1] / "README.md").write_text("xacro urdf/arm.urdf.xacro name:=a type:=c\n")
+    assert {name: value for name, (value, _) in list_found(model).items()} == {"name": "b", "type": "c"}

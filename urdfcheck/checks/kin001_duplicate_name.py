@@ -12,6 +12,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.link_graph import KinematicGraph
+from urdfcheck.model.simulation_use import is_left_out_of_gazebo
 
 # MuJoCo needs a joint's name only where something refers to it.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the second name by an empty one"}
@@ -43,7 +44,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         finding = rule.finding(
             "shared",
             at=_locate_name(shared[0]),
-            severity=Severity.WARNING,
+            severity=Severity.INFO if is_left_out_of_gazebo(model) else Severity.WARNING,
             related=links[:10],
             who="a link and a joint share the name" if len(names) == 1 else "links and joints share the names",
             names=join_names(names),

@@ -30,7 +30,7 @@ from urdfcheck.source.resources import (
     is_released_elsewhere,
     list_resource_uses,
 )
-from urdfcheck.source.ros.dependencies import find_dependent
+from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
 
@@ -66,11 +66,12 @@ def _build_finding(
     uses: Sequence[ResourceUse] = (),
 ) -> Finding:
     owner = _find_owner(source, at)
-    dependent = _find_dependent(source, package, owner)
+    here = _find_files_here(uses, source)
+    dependent = None if here and owner is None else _find_dependent(source, package, owner)
     declared = dependent is not None
+    here = {} if declared else here
     owners = _find_package_with_files(uses, source) if uses else _find_own_include(package, owner, at, source)
     files = list(dict.fromkeys(u.resource.text for u in uses))
-    here = {} if declared else _find_files_here(uses, source)
     checkout = "" if here or not package else propose_checkout(package, source.finder)
     kind = "rosbuild" if _has_rosbuild_name(here, package) else "files" if uses else "expansion"
     near = (
@@ -150,7 +151,12 @@ def _grade(message: str, *, is_outside: bool) -> Severity | None:
 
 
 def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:
-    """Return the package that depends on a missing one: that of the file that names it, the model's, or one below these."""
+    """Return the package that depends on a missing one: that of the file that names it, the model's, or one below these.
+
+    For a file that is in no package, any package of the project may.
+    """
+    if owner is None and source.package is None:
+        return find_dependent_in_project(package, source.finder) if package else None
     found = (find_dependent(one, package, source.finder) for one in (owner, source.package) if one is not None)
     return next(filter(None, found), None)
 

@@ -199,7 +199,9 @@ def _build_finding(
         if own
         else describe_project_path(here.values(), source)
         if here
-        else _describe_checkout(gap, source) or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
+        else _describe_owner(gap, owners)
+        or _describe_checkout(gap, source)
+        or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
         path=format_path(path),
@@ -283,6 +285,17 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
     if not choices:
         return "", []
     return f"; argument {guilty[0]} leads there{format_choices(choices)}", [guilty[0].location]
+
+
+def _describe_owner(gap: _MissingFiles, owners: list[str]) -> str:
+    """Say how the files of another package are named; empty if none has them."""
+    resource = gap.uses[0].resource
+    inside = get_path_in_package(resource.text, resource.package or "")
+    return (
+        f"write `package://{owners[0]}/{inside}` and the others likewise, and declare {owners[0]} in package.xml"
+        if owners
+        else ""
+    )
 
 
 def _describe_checkout(gap: _MissingFiles, source: Source) -> str:

@@ -80,7 +80,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             lack="lacks" if len(tags) == 1 else "lack",
             listed=join_names(f"<{tag}>{format_repetition(times)}" for tag, times in tags.items()),
             times=format_repetition(len(elements)) if len(tags) == 1 else "",
-            more=_describe_further_edits(tags, source.trees[name]),
+            more=_describe_further_edits(tags, source.trees[name]) + _describe_release(source, name),
             explains=explained,
             consequences=_describe_consequences(source, elements),
         )
@@ -119,6 +119,15 @@ def _describe_further_edits(tags: Collection[str], root: Element) -> str:
     if calls:
         more += f", as may the calls of their macros: {join_names((f'<{tag}>' for tag in calls), 3)}"
     return more
+
+
+def _describe_release(source: Source, name: str) -> str:
+    """Name the other way for a file of a package that is not in the repository: it may be older than this ROS."""
+    package = source.finder.find_package_of(source.files[name].path.absolute())
+    root = source.finder.find_repository()
+    if package is None or root is None or package.path.absolute().is_relative_to(root):
+        return ""
+    return f"; or use a release of {package.name} for ROS Noetic or ROS 2"
 
 
 def _is_dead(source: Source, element: Element) -> bool:

@@ -21,13 +21,15 @@ class PathArgument:
     name: str
     value: str
     location: Location
-    """Where its value comes from: a launch file, else its declaration."""
+    """Where its value comes from: the file that it was found in, else its declaration."""
     origin: str
-    """default | given | launch."""
+    """default | given | launch: found in a launch file, or in another one that says what the model is started with."""
 
     def __str__(self) -> str:
         shown = {"default": f"default {self.value!r}", "given": f"{self.value!r} is given"}
-        return f"{self.name} ({shown.get(self.origin, f'{self.value!r} in a launch file')})"
+        span = self.location.span
+        file = "another file" if span is None else Path(span.file).name
+        return f"{self.name} ({shown.get(self.origin, f'{self.value!r} in {file}')})"
 
 
 def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[PathArgument]:
@@ -42,7 +44,10 @@ def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[Pat
         name = place.subject.removeprefix(_SUBJECT).removesuffix("]")
         defaults = (e.get("default") for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name)
         value = source.arguments.get(name, next(defaults, ""))
-        origin = "launch" if name in source.found_arguments else "given" if name in source.arguments else "default"
+        span = source.found_arguments[name].span if name in source.found_arguments else None
+        is_own = span is not None and span.file in source.files  # a default that `<robot>` reads before it is declared
+        is_found = name in source.found_arguments and not is_own
+        origin = "launch" if is_found else "given" if name in source.arguments and not is_own else "default"
         if "$(" not in value:
             found[name] = PathArgument(name, value, source.found_arguments.get(name, place), origin)
     return sorted(found.values(), key=_get_place)

@@ -13,6 +13,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, PackageFinder, Resource
 from urdfcheck.source.package.released_packages import read_released_packages
+from urdfcheck.source.ros.dependencies import find_dependent_in_project
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
@@ -87,10 +88,19 @@ def find_uninstalled_files(source: Source) -> dict[str, set[str]]:
     files: dict[str, set[str]] = {}
     for use in list_resource_uses(source):
         package = use.resource.package
-        is_right = package in declared or (source.is_output_of_xacro and is_released_elsewhere(source, package or ""))
-        if package and is_right and use.resource.path is None:
+        if not package or use.resource.path is not None:
+            continue
+        if package in declared or (source.package is None and _is_right_outside(package, use, source)):
             files.setdefault(package, set()).add(use.resource.text)
     return files
+
+
+def _is_right_outside(package: str, use: ResourceUse, source: Source) -> bool:
+    """Whether the name of a package is right in a model that is in none, and does not only mean a folder here."""
+    if find_above(use, source) or find_in_project(use, source):
+        return False
+    is_recorded = source.is_output_of_xacro and is_released_elsewhere(source, package)
+    return is_recorded or find_dependent_in_project(package, source.finder) is not None
 
 
 def is_released_elsewhere(source: Source, package: str) -> bool:

@@ -37,6 +37,9 @@ _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 # The folder of a submodule in .gitmodules, of which so much is read.
 _SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
 _ADDRESS = re.compile(r"(?m)^[ \t]*url[ \t]*=[ \t]*(\S.*?)[ \t\r]*$")
+# The files of vcstool, of which so many are read in a folder, and a repository in one with its address.
+_REPOSITORIES, _MOST_REPOSITORY_FILES = ".repos", 10
+_REPOSITORY = re.compile(r"(?m)^[ \t]+([\w./-]+):[ \t]*\n(?:[ \t]+(?!url:)\w+:.*\n)*[ \t]+url:[ \t]*(\S+)")
 # The name of one robot of a series: its word and its number, which may end with letters.
 _VARIANT = re.compile(r"([a-z_-]+)(\d+[a-z]{0,2})$")
 # Words of names; those that packages of all robots have.
@@ -180,6 +183,11 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
     if alike:
         first = f"if it is in a submodule ({join_names(alike, 3)}), check that out: `git submodule update --init`"
         return f"{first}; otherwise {repair}"
+    for file, repositories in _list_repositories(finder):
+        listed = select_similar_submodules(repositories, [package])
+        if listed:
+            place = shlex.quote(format_path(file))
+            return f"if it is in {join_names(listed, 2)} of {file.name}, import that: `vcs import < {place}`; otherwise {repair}"
     if missing and package not in read_released_packages():
         return f"{repair}; or check out a submodule that has it: `git submodule update --init` ({join_names([*missing], 3)})"
     return repair
@@ -210,6 +218,23 @@ def list_missing_submodules(finder: PackageFinder) -> dict[str, str]:
         known = {path[1]: "" if url is None else url[1] for path, url in pairs if path is not None}
         return {path: url for path, url in known.items() if finder.can_open(folder / path) and _is_empty(folder / path)}
     return {}
+
+
+def _list_repositories(finder: PackageFinder) -> list[tuple[Path, dict[str, str]]]:
+    """Return the files of vcstool around the start that list repositories to import: by the name of each its address."""
+    found: list[tuple[Path, dict[str, str]]] = []
+    for folder in finder.list_parent_folders():
+        try:
+            names = sorted(name for name in os.listdir(folder) if name.endswith(_REPOSITORIES) and name[0] != ".")
+        except OSError:
+            continue
+        for file in (folder / name for name in names[:_MOST_REPOSITORY_FILES]):
+            try:
+                text = read_regular(file, _MOST_GIT_BYTES).decode("utf-8", "replace") if finder.can_open(file) else ""
+            except OSError:
+                continue
+            found.append((file, dict(_REPOSITORY.findall(text))))
+    return found
 
 
 def _is_empty(folder: Path) -> bool:

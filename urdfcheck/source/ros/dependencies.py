@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from urdfcheck.source.package.finder import Package, PackageFinder, load_package
+from urdfcheck.source.package.finder import Package, PackageFinder, has_dependency_entry, load_package
 
 # The manifests of so many packages are read.
 _MAX_MANIFESTS = 1_000
@@ -21,6 +21,12 @@ def find_dependent(package: Package, name: str, finder: PackageFinder) -> str | 
         return package.name
     below = _iter_packages(finder, package.dependencies)
     return next((inner.name for inner in below if name in inner.dependencies), None)
+
+
+def find_dependent_in_project(name: str, finder: PackageFinder) -> str | None:
+    """Return a package of the project whose manifest depends on another, for a file that is in no package."""
+    packages = finder.list_workspace_packages()
+    return next((own for own, folder in sorted(packages.items()) if has_dependency_entry(folder, name)), None)
 
 
 def _iter_packages(finder: PackageFinder | None, names: Iterable[str]) -> Iterator[Package]:

@@ -1,0 +1,62 @@
+"""Commands of xacro in the build files, scripts and texts of a package: they say what a model is expanded with. Nothing runs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from itertools import islice
+from pathlib import Path
+
+from urdfcheck.core import Location
+from urdfcheck.source.package.finder import PackageFinder, format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.system.files import read_regular, walk
+
+# Limits on the files that are read for one model, on the folders that are searched for them, and on the size of a file.
+_MOST_FILES, _MOST_FOLDERS, _LARGEST = 100, 1_000, 200_000
+_ENDINGS = ("CMakeLists.txt", ".cmake", ".sh", ".bash", ".test", ".md", ".rst", "Makefile")
+# What expands a file, before its name in a command.
+_PROGRAM = re.compile(r"(?<![\w/.-])xacro(?:\.py)?(?![\w/.:=-])|\bxacro_add_\w+")
+# A value that is typed as it is.
+_ASSIGNED = re.compile(
+    r"""(?<![\w.:/-])([A-Za-z_][\w.-]*):=(?:"([^"$<>{}\n]*)"|'([^'$<>{}\n]*)'|([\w./+-]+)(?![\w$<{(]))"""
+)
+# What separates two commands: the end of a line that does not go on, or of brackets, or what a shell has; in CMake only brackets.
+_BORDER = re.compile(r"(?<!\\)\r?\n|[);|&>`]")
+_BORDER_IN_CMAKE = re.compile(r"\)")
+_LONGEST = 1_000
+
+
+def find_written_arguments(model: Path, package: Path, finder: PackageFinder) -> dict[str, tuple[str, Location]]:
+    """Return by name the values that commands in the files of a package pass to a model; of several, the first."""
+    found: dict[str, tuple[str, Location]] = {}
+    name = re.compile(rf"(?<![\w.-]){re.escape(model.name)}(?![\w.-])")
+    for path in islice(_iter_files(package, finder), _MOST_FILES):
+        try:
+            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+        except OSError:
+            continue
+        border = _BORDER_IN_CMAKE if path.name.endswith(("CMakeLists.txt", ".cmake")) else _BORDER
+        file = SourceFile(path, format_path(path), text=text)
+        for match in name.finditer(text):
+            starts = [b.end() for b in border.finditer(text, max(0, match.start() - _LONGEST), match.start())]
+            if not _PROGRAM.search(text, starts[-1] if starts else 0, match.start()):
+                continue
+            end = border.search(text, match.end(), match.end() + _LONGEST)
+            last = match.end() + _LONGEST if end is None else end.start()
+            for assigned in _ASSIGNED.finditer(text, match.end(), last):
+                value = next(group for group in assigned.groups()[1:] if group is not None)
+                place = Location(f"argument[{assigned[1]}]", file.make_span(*assigned.span()))
+                found.setdefault(assigned[1], (value, place))
+    return found
+
+
+def _iter_files(package: Path, finder: PackageFinder) -> Iterator[Path]:
+    if not finder.can_open(package):
+        return
+    for here, names, files in islice(walk(package), _MOST_FOLDERS):
+        names[:] = sorted(n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS)
+        for path in (Path(here, name) for name in sorted(files) if name.endswith(_ENDINGS)):
+            if finder.can_open(path):
+                yield path
