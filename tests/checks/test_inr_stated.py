@@ -75,3 +75,21 @@ def test_a_mesh_in_millimetres_is_what_is_wrong_of_a_light_link(tmp_path: Path) 
     assert [finding.message_id for finding in found] == ["light"]
     assert found[0].fix is not None
     assert found[0].fix.title.startswith("give the mesh the scale of its unit: drawn a thousandth as large")
+
+
+TURTLEBOT = {"ixx": "2.2124416e-03", "iyy": "2.1193702e-03", "izz": "2.0064271e-03"}
+
+
+@pytest.mark.parametrize(
+    ("izz", "drawn", "message"),
+    [
+        ("2.0064271e-03", box("0.3 0.2 0.1"), "published"),
+        ("2.0e-03", box("0.3 0.2 0.1"), ""),
+        ("2.0064271e-03", box("0.15 0.17 0.17"), ""),
+    ],
+)
+def test_the_numbers_of_a_published_part_are_known(tmp_path: Path, izz: str, drawn: str, message: str) -> None:
+    text = make_chain(inertial("8.2573504e-01", **TURTLEBOT | {"izz": izz}) + visual(drawn))
+    found = find(tmp_path, text, "INR009")
+    assert [finding.message_id for finding in found if finding.message_id == "published"] == [message] * bool(message)
+    assert all("the base of TurtleBot3 Burger" in finding.headline for finding in found if message)

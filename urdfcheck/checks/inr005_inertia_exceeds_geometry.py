@@ -32,6 +32,7 @@ from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_p
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
+from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
@@ -51,7 +52,6 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
-from urdfcheck.model.inertials.stated_purposes import has_stated_purpose
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+import re
+from collections.abc import Container, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
+from urdfcheck.facts.inertials.published_parts import name_published_part
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
@@ -93,6 +95,8 @@ _LIGHT = 0.2
 _MOVED = 1e-3
 # Links with one mistake may differ in these data: the repair, and numbers that the message does not measure.
 PER_LINK_DATA = ("edit", "repair", "condition", "mismatch", "twins", "moments", "expected", "ruled_out")
+# Meshes of the robot whose numbers others copy.
+_TURTLEBOT = re.compile(r"turtlebot|tb3|burger|waffle", re.IGNORECASE)
 # The density (kg/m³) that CAD programs assume for a part without a material, and how far the facets of a mesh are off.
 _ASSUMED, _FACETS = 1000.0, 0.01
 # `urdfcheck.model.likeness.mirror_pairs` is the better judge of these: it compares the drawings of the two sides.
@@ -145,23 +149,24 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
         yield _build_axes_finding(model, rule, name, rotated)
     contradicted_links = find_contradicted_links(model)
     disputed = find_disputed_units(model)
-    for name, judged in inertial_diagnoses(model).items():
-        tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
-        if diagnosis.sound or not diagnosis.at_fault or not is_possible(judged) or name in grouped:
-            continue
-        if name in rotated or (judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis)):
-            continue
-        if _is_told_elsewhere(model, tensor, judged):
-            continue
+    for tensor, judged in _list_lone_inertials(model, but=grouped | rotated.keys()):
+        name, diagnosis = tensor.link.name, judged.diagnosis
         # One unit that fits some links, where others fit none, is no cause: the COM is wrong in another way.
         is_refuted = disputed.get(diagnosis.cause or "") == "" or _is_unproven(model, tensor.link, judged)
         is_refuted |= _is_coincidence(model, tensor, judged)
-        if diagnosis.cause is not None and not is_refuted:
+        has_cause, is_far = diagnosis.cause is not None and not is_refuted, False
+        if not has_cause:
+            is_far = _is_far_from_drawing(model, tensor, judged, far=far)
+        if (has_cause or is_far) and (owner := _name_owner(tensor, judged)):
+            yield _build_published_finding(model, rule, judged, tensor=tensor, owner=owner)
+        elif has_cause:
             by_twin, unmirrored = diagnosis.judged_by == "twin", diagnosis.cause in MIRROR_CAUSES
             is_of_pair = by_twin + unmirrored + (name in contradicted_links) >= 2
             if not is_of_pair:
-                yield _build_cause_finding(model, rule, judged, tensor=tensor, others=disputed.get(diagnosis.cause, ""))
-        elif _is_far_from_drawing(model, tensor, judged, far=far):
+                yield _build_cause_finding(
+                    model, rule, judged, tensor=tensor, others=disputed.get(diagnosis.cause or "", "")
+                )
+        elif is_far:
             is_possible_part = diagnosis.min_moment_ratio > concentrated and not (
                 _has_own_tensor(model, tensor.link, judged) or is_scaled_down(model, tensor.link, judged)
             )
@@ -181,6 +186,43 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
             first=first,
             ruled_out=format_ruled_out(inertial_diagnoses(model)[first]),
         )
+
+
+def _name_owner(tensor: DeclaredTensor, judged: DiagnosedInertial) -> str:
+    """Name the part of another robot whose numbers a link has, and does not draw; empty where none has them. A COM that was left
+    at zero is wrong in that robot too."""
+    if judged.diagnosis.judged_by != "mesh" or judged.diagnosis.cause == "com_missing":
+        return ""
+    meshes = [shape.mesh_filename.value for shape in tensor.link.visuals if shape.mesh_filename is not None]
+    is_own = any(map(_TURTLEBOT.search, meshes))
+    return "" if is_own else name_published_part(judged.declared.mass, tensor.tensor)
+
+
+def _build_published_finding(
+    model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor, owner: str
+) -> Finding:
+    """Report numbers of a part of another robot: no mistake explains them, whatever fits by chance."""
+    link = tensor.link
+    is_mild = is_light(model, link) or is_slight(model, link, judged) or link.name in list_bolted_links(model)
+    return rule.finding(
+        "published",
+        at=tensor.inertial.element,
+        severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if is_mild else None,
+        owner=owner,
+        **collect_message_data(model, link, judged),
+    )
+
+
+def _list_lone_inertials(model: Model, *, but: Container[str]) -> Iterator[tuple[DeclaredTensor, DiagnosedInertial]]:
+    """Iterate over the inertials that are wrong by themselves; ``but``: links that are reported together."""
+    for name, judged in inertial_diagnoses(model).items():
+        tensor, diagnosis = model.tensor_by_name[name], judged.diagnosis
+        if diagnosis.sound or not diagnosis.at_fault or not is_possible(judged) or name in but:
+            continue
+        if judged.is_habit and not shows_habit_alone(model, tensor.link, diagnosis):
+            continue
+        if not _is_told_elsewhere(model, tensor, judged):
+            yield tensor, judged
 
 
 def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:

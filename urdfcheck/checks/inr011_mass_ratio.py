@@ -10,7 +10,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
-from urdfcheck.model.inertials.stated_purposes import has_stated_purpose
+from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 
