@@ -259,6 +259,9 @@ def _describe_either_repair(
             return _COMPUTE_BOTH_COMS
         if all(_has_other_inertial(model, one.link) for one in both):
             return _COMPUTE_BOTH_INERTIALS
+    mistaken = [side for side in both if side.link is why.find_mistaken_link(both)]
+    if mistaken:
+        return f"if that is the mistake, {_describe_remedy(mistaken[0], note)}"
     one, other = both[0].link.name, both[1].link.name
     other_way = "the other way round" if _has_shared_inertial(both[1]) else _describe_remedy(both[0], note)
     return f"if {one} is right, {_describe_remedy(both[1], note)}; if {other} is, {other_way}"
@@ -324,6 +327,14 @@ class _Explanation:
     """The side that has the numbers of another part, and that part."""
     axis: str = ""
     """The axis about which half a turn makes one side's numbers those of the other."""
+
+    def find_mistaken_link(self, both: Sequence[PairSide]) -> Link | None:
+        """Find the link in which the cause is; None where it may be in either."""
+        if self.copied is not None:
+            return self.copied[0]
+        if self.slip is None or self.slip.is_either or self.cause is None:
+            return None
+        return both[not self.slip.is_first].link
 
     @property
     def is_slip(self) -> bool:
