@@ -701,7 +701,7 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
         "drives.xacro": robot(f'<xacro:macro name="drives">{block}</xacro:macro>', xacro=True),
         "arm.urdf.xacro": robot(ARM, include, call, xacro=True),
         "block.urdf.xacro": robot(include, call, xacro=True),
-        "cart.urdf.xacro": robot(link("base"), link("tool"), include, call, xacro=True),
+        "cart.urdf.xacro": robot(link("base"), include, call, xacro=True),
     }
     (finding,) = find(tmp_path, files, "CTL001", name="cart.urdf.xacro")
     assert finding.location.span is not None

@@ -16,7 +16,7 @@ from urdfcheck.source.uses_elsewhere import find_other_includers
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    if not model.joints and len(model.links) <= 1:
+    if not model.links and not model.joints:
         return  # the block alone, as a test expands it
     for tag in ("ros2_control", "transmission"):
         is_unread = tag == "transmission" and not reads_transmissions(model)
