@@ -623,6 +623,16 @@ def test_sensors_of_one_name_are_counted(tmp_path: Path, body: str, repair: str)
     assert finding.fix.title == repair
 
 
+@pytest.mark.parametrize(
+    ("plugin", "rate"), [("", 30), ("<updateRate>10</updateRate>", 10), ("<updateRate>0</updateRate>", 30)]
+)
+def test_a_sensor_renders_as_often_as_its_plugin_publishes(tmp_path: Path, plugin: str, rate: int) -> None:
+    sensor = f'<sensor name="eye" type="camera"><plugin name="p" filename="libgazebo_ros_camera.so">{plugin}</plugin></sensor>'
+    (finding,) = find(tmp_path, robot(ARM, block("a", sensor)), "GZB004")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(f"add <update_rate>{rate}</update_rate>")
+
+
 def test_one_of_two_equal_sensors_is_one_too_many(tmp_path: Path) -> None:
     sensor = '<sensor name="imu" type="imu"><update_rate>{}</update_rate></sensor>'
     for rate, repair in (("30", "delete one of the two: they are equal"), ("50", "give each sensor its own name")):
@@ -691,7 +701,7 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
         "drives.xacro": robot(f'<xacro:macro name="drives">{block}</xacro:macro>', xacro=True),
         "arm.urdf.xacro": robot(ARM, include, call, xacro=True),
         "block.urdf.xacro": robot(include, call, xacro=True),
-        "cart.urdf.xacro": robot(link("base"), link("tool"), include, call, xacro=True),
+        "cart.urdf.xacro": robot(link("base"), include, call, xacro=True),
     }
     (finding,) = find(tmp_path, files, "CTL001", name="cart.urdf.xacro")
     assert finding.location.span is not None

@@ -264,7 +264,7 @@ def test_a_named_shape_is_not_said_to_lack_a_name_that_it_has(tmp_path: Path) ->
     text = robot(link("wheel", inertial(), collision(sphere(0.1), name="collision")), surface("wheel", 0.7))
     (finding,) = find(tmp_path, text, "GZB003")
     assert "wheel_fixed_joint_lump__collision_collision" in finding.message
-    assert "In that name lump__ is not followed by wheel_collision" in finding.message
+    assert "It looks for wheel_collision at the start of that name or behind lump__" in finding.message
 
 
 # -- NAM004 ----------------------------------------------------------------------------------------------------------------

@@ -318,9 +318,7 @@ def test_transmissions_of_a_part_on_show_drive_nothing(
     block = TRANSMISSION.format("somewhere_else")
     if by_macro:
         block = f'<xacro:macro name="part">{block}</xacro:macro><xacro:part/>'
-    (finding,) = find(
-        tmp_path, robot(link("base"), link("arm"), block, plugin, xacro=True), "CTL001", name="r.urdf.xacro"
-    )
+    (finding,) = find(tmp_path, robot(link("base"), block, plugin, xacro=True), "CTL001", name="r.urdf.xacro")
     assert (finding.message_id, finding.severity) == ("transmission-strange", severity)
 
 

@@ -8,22 +8,19 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
-from urdfcheck.model.gazebo import reads_transmissions
+from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.uses_elsewhere import find_other_includers
 
-# What becomes of transmissions where the model has no plugin that reads them.
-_UNREAD = {"gazebo": "loads it: no plugin of the model reads transmissions"}
-
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    if not model.joints and len(model.links) <= 1:
+    if not model.links and not model.joints:
         return  # the block alone, as a test expands it
     for tag in ("ros2_control", "transmission"):
         is_unread = tag == "transmission" and not reads_transmissions(model)
-        severity, consequences = (Severity.WARNING, _UNREAD) if is_unread else (None, None)
+        severity, consequences = (Severity.WARNING, UNREAD_TRANSMISSIONS) if is_unread else (None, None)
         foreign: list[Attribute] = []
         taken: set[str] = set()
         free = model.joint_by_name.keys() - _collect_named_joints(model, tag)

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Collection, Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.gazebo import reads_transmissions
+from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.simulation_use import names_ros_control
@@ -26,6 +27,13 @@ _UNREAD = "delete it: ROS 2 reads the transmissions inside <ros2_control> only"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
+    is_read = reads_transmissions(model)
+    for finding in _check_blocks(model, rule):
+        is_lost = is_read or finding.message_id == "ros2_control"
+        yield finding if is_lost else replace(finding, consequences={**finding.consequences, **UNREAD_TRANSMISSIONS})
+
+
+def _check_blocks(model: Model, rule: Rule) -> Iterator[Finding]:
     # Without gazebo_ros_control the transmissions may be an exporter's leftovers, or for a program of another kind.
     simulated = reads_transmissions(model)
     # ROS 2 has no program that reads the hardwareInterface.

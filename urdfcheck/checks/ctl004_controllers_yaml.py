@@ -35,6 +35,8 @@ from urdfcheck.source.text.yaml.values import YamlValue
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
+# The folder of the packages of ROS, the same on each machine.
+_DISTRIBUTIONS = "/opt/ros/"
 # A path into an installed package.
 _INSTALLED = re.compile(r"/share/([\w-]+)/(.+)$")
 _BARE = "; and no launch file here is seen to run xacro on this .urdf: without it the plugin gets `$(find …)` as it is typed"
@@ -91,7 +93,7 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 near=f" ({join_names(like, 2)} {'has' if len(like) == 1 else 'have'} this name)" if like else "",
                 also="; and let the launch file run xacro on this file" if is_bare else "",
             )
-        elif parameters.literal and parameters.text.startswith("/"):
+        elif parameters.literal and parameters.text.startswith("/") and not parameters.text.startswith(_DISTRIBUTIONS):
             portable = _find_portable_path(model, parameters)
             package, below = portable or _read_package_in_path(model, parameters.text) or ("package", "config/…")
             is_certain = model.source.is_xacro and portable is not None

@@ -119,7 +119,20 @@ def _check_update_rate(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
     rate = sensor.element.find_child("update_rate")
     if _RENDERED.search(sensor.type) and (rate is None or parse_number(rate.text.strip()) == 0.0):
         at = sensor.element if rate is None else rate
-        yield rule.finding("rate", at=at, severity=Severity.INFO, sensor=sensor.name, type=sensor.type)
+        wanted = _find_plugin_rate(sensor)
+        repair = (
+            "add <update_rate>30</update_rate>, or the rate of the real sensor"
+            if wanted is None
+            else f"add <update_rate>{wanted}</update_rate>, the rate at which its plugin publishes"
+        )
+        yield rule.finding("rate", at=at, severity=Severity.INFO, sensor=sensor.name, type=sensor.type, repair=repair)
+
+
+def _find_plugin_rate(sensor: GazeboSensor) -> str | None:
+    """Return the rate of a sensor's plugin, which leaves out pictures that were rendered."""
+    plugins = [child for child in sensor.element.children if child.tag == "plugin"]
+    texts = [e.text.strip() for plugin in plugins for e in plugin.children if e.tag in {"updateRate", "update_rate"}]
+    return next((text for text in texts if (parse_number(text) or 0.0) > 0.0), None)
 
 
 def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:

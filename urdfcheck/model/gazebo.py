@@ -81,6 +81,10 @@ def reads_transmissions(model: Model) -> bool:
     return any("gazebo_ros_control" in plugin.get("filename") for plugin in plugins)
 
 
+# What becomes of transmissions where the model has no plugin that reads them.
+UNREAD_TRANSMISSIONS = {"gazebo": "loads it: no plugin of the model reads transmissions"}
+
+
 def is_for_new_gazebo(model: Model) -> bool:
     """Whether the robot uses a plugin that only the successor of Gazebo Classic can load."""
     plugins = [e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin"]
