@@ -63,10 +63,12 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     found = set()
     if _is_impossible(new) and not _is_impossible(old):
         found.add("impossible")
+    if _is_base_of_limb(part):
+        return found
     reach = measure_reach(part.owner)
     if _has_telling_joints(part) and max(_size(new)) > _REACH * reach >= max(_size(old)):
         found.add("reach")
-    if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part) or _is_base_of_limb(part):
+    if max(old.mass, new.mass) < _LIGHT * _measure_body_mass(part):
         return found
     if with_meshes:
         found |= _find_drawn_evidence(part, old, new)

@@ -172,7 +172,8 @@ def mimic_typo(part: Part, rng: Rng) -> list[Change] | None:
 
 def mimic_multiplier(part: Part, rng: Rng) -> list[Change] | None:
     """The multiplier of a mimic joint with the other sign."""
-    element = None if part.joint is None else part.joint.element.find_child("mimic")
+    # A fixed joint follows no other, whatever its <mimic> says.
+    element = part.joint.element.find_child("mimic") if part.joint is not None and _moves(part) else None
     return _change(element, "multiplier", lambda value: -value)
 
 

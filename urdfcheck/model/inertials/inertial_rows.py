@@ -11,6 +11,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.twin_slips import find_principal_rounding, find_twin_slip
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model.inertials.mirrored_inertials import (
     find_same_numbers,
     get_possible_inertial,
@@ -25,6 +26,9 @@ from urdfcheck.model.robot import Model
 _FEWEST, _SAME = 2, 0.005
 # Masses that are the same number in one unit, and moments that nobody takes for rounded ones.
 _EQUAL, _UNLIKE = 1e-6, 1.2
+# COMs of a row are as far from their frames to within this share, and one that was not filled in matters where the others are
+# farther than this share of their radius of gyration.
+_SAME_COM, _FAR_COM = 0.05, 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -81,13 +85,38 @@ def _find_odd_ones(model: Model, row: list[Link]) -> Iterator[RowSlip]:
     for _, first in computed:
         if 2 * len(most) <= len(known):  # else it is the majority already, as nearly always
             most = max(most, [(link, n) for link, n in computed if _is_same(n, first)], key=len)
-    if len(most) < _FEWEST or 2 * len(most) <= len(known) or len(most) == len(known):
+    if len(most) < _FEWEST or 2 * len(most) <= len(known):
+        return
+    yield from _find_odd_com(most)
+    if len(most) == len(known):
         return
     others = tuple(link for link, _ in most)
     for link, numbers in known:
         if link not in others and (why := _explain(model, link, numbers, right=most[0][1], row=row)) is not None:
             kind, mistake = why
             yield RowSlip(link=link, row=others, kind=kind, mistake=mistake)
+
+
+def _find_odd_com(most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
+    """Find the only link of some that agree in mass and moments whose COM is at another distance than those of the others, by one
+    mistake."""
+    distances = np.array([float(np.linalg.norm(numbers.com)) for _, numbers in most])
+    usual = float(compute_median(distances.tolist()))
+    odd = np.flatnonzero(np.abs(distances - usual) > _SAME_COM * usual).tolist()
+    if len(odd) != 1 or len(most) <= _FEWEST:
+        return
+    (index,) = odd
+    link, numbers = most[index]
+    others = [one for one in most if one[0] is not link]
+    right = others[0][1]
+    radius = math.sqrt(float(np.trace(right.inertia)) / (2.0 * right.mass))
+    if not numbers.com.any():
+        mistake = "COM at the link's origin" if usual > _FAR_COM * radius else ""
+    else:
+        slip = find_twin_slip(numbers, right)
+        mistake = "" if slip is None else describe_mistake(slip.id, slip.detail)
+    if mistake:
+        yield RowSlip(link=link, row=tuple(one for one, _ in others), kind="row", mistake=mistake)
 
 
 def _explain(

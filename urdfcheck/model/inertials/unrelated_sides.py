@@ -25,6 +25,8 @@ from urdfcheck.model.robot import Model
 
 # A COM is away from the frame from this share of the radius of gyration on (chosen).
 _FAR_COM = 0.1
+# By how many places a decimal point slips to do the same as these units.
+_PLACES = {"cm": "two", "mm": "three"}
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -128,7 +130,8 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
 def describe_slip(slip: TwinSlip) -> str:
     """Say which mistake it is."""
     if slip.mistake.id == "com_unit":
-        return f"the COM in {slip.mistake.detail}"
+        places = _PLACES.get(slip.mistake.detail)
+        return f"the COM in {slip.mistake.detail}" + (f", or its decimal point {places} places off" if places else "")
     return describe_mistake(slip.mistake.id, slip.mistake.detail)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_nearest_tensor
@@ -10,6 +11,13 @@ from urdfcheck.model.parts import DeclaredTensor
 
 # The nearest possible tensor is offered as an edit without a cause where it changes less than mass properties are known by.
 _NEGLIGIBLE_CHANGE = 5e-3
+# A moment that changes by more than this share of itself is another number (chosen).
+_OTHER_NUMBER = 0.1
+
+
+def _changes_moment(before: Sequence[float], after: Sequence[float]) -> bool:
+    """Whether one of the moments of a tensor is another number afterwards."""
+    return any(abs(after[i] - before[i]) > _OTHER_NUMBER * abs(before[i]) for i in (0, 3, 5))
 
 
 def propose_nearest(declared: DeclaredTensor, cause: str | None, *, digits: int = 6) -> InertialProposal:
@@ -19,6 +27,8 @@ def propose_nearest(declared: DeclaredTensor, cause: str | None, *, digits: int 
     if nearest is None or not nearest.text:
         return InertialProposal()
     edits = nearest.edits if change < (SMALL_EXCESS if cause else _NEGLIGIBLE_CHANGE) else ()
+    if cause is None and _changes_moment(declared.components, components):
+        edits = ()  # a small moment may have lost its decimal point
     words, off = replace(nearest, edits=edits).words, f"({100 * change:.2g} % off)"
     if not edits:
         return InertialProposal(comparison=f"; the nearest possible one is {words} {off}", cause=cause)
