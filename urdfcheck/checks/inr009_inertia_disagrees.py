@@ -189,9 +189,8 @@ def _check_each_link(model: Model, rule: Rule, *, far: float, concentrated: floa
 
 
 def _name_owner(tensor: DeclaredTensor, judged: DiagnosedInertial) -> str:
-    """Name the part of another robot whose numbers a link has, and does not draw; empty where none has them. A COM that was left
-    at zero is wrong in that robot too."""
-    if judged.diagnosis.judged_by != "mesh" or judged.diagnosis.cause == "com_missing":
+    """Name the part of another robot whose numbers a link has, and does not draw; empty where none has them."""
+    if judged.diagnosis.judged_by != "mesh":
         return ""
     meshes = [shape.mesh_filename.value for shape in tensor.link.visuals if shape.mesh_filename is not None]
     is_own = any(map(_TURTLEBOT.search, meshes))
