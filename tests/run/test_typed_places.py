@@ -139,6 +139,23 @@ def test_the_call_of_a_macro_that_is_right_for_others(tmp_path: Path, calls: str
     assert place.startswith("<inertia") or all(own.location.via[-1].line == 3 for own in found)
 
 
+@pytest.mark.parametrize(
+    ("typed", "place"), [("${w}", '<origin xyz="${w} 0 0"/>'), ("${x}", '<xacro:part name="bad" drawn="1"/>')]
+)
+def test_a_line_without_a_parameter_stays_to_blame(tmp_path: Path, typed: str, place: str) -> None:
+    """What a property gives is the same in each call."""
+    shape = '<geometry><box size="0.1 0.1 0.1"/></geometry>'
+    body = (
+        '<xacro:property name="w" value="0.3"/><xacro:macro name="part" params="name drawn:=0 x:=0.3"><link name="${name}">'
+        f'<collision><origin xyz="{typed} 0 0"/>{shape}</collision>'
+        f'<xacro:if value="${{drawn}}"><visual>{shape}</visual></xacro:if></link></xacro:macro>'
+        '<xacro:part name="good"/><xacro:part name="bad" drawn="1"/>'
+    )
+    (tmp_path / "r.urdf.xacro").write_text(XACRO.format(body))
+    (found,) = check(tmp_path / "r.urdf.xacro", codes={"GEO005"}, tier="source", root=tmp_path).findings
+    assert get_place(found, tmp_path)[1] == place
+
+
 def test_elements_of_a_call_stay_findings_of_their_own(tmp_path: Path) -> None:
     second = WIDE.partition("\n")[2].replace('"${name}"', '"${name}_2"').replace("0.1 * m", "0.2 * m")
     two = WIDE.replace("</xacro:macro>", second)

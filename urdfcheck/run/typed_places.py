@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Span
 from urdfcheck.source.text.handed_values import find_typed_value, read_numbers
-from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.text.xml import Attribute, Element, flatten_definitions
 
 # The rules about elements as they are written.
 _MARKUP = "XML"
@@ -125,8 +125,9 @@ def _locate_own_calls(findings: list[Finding], root: Element, texts: Mapping[str
     moved = list(findings)
     for number in handed:
         finding = findings[number]
-        key = _strip_attribute(finding.location.subject), finding.location.via
-        made = owners.get(key, ())
+        owner, made = owners.get((_strip_attribute(finding.location.subject), finding.location.via), (None, ()))
+        if owner is None or not _reads_parameter(owner, finding.location, texts):
+            continue
         right = [e.via for e in made if not concerned[finding.code].touches(e.subject)]
         moved[number] = replace(
             finding,
@@ -149,14 +150,26 @@ def _is_handed(finding: Finding, texts: Mapping[str, str]) -> bool:
     return "${" in _get_text(finding.location.span, texts) + _get_content(finding.location.span, texts)
 
 
-def _find_owners(root: Element, calls: Collection[tuple[Span, ...]]) -> dict[_Place, list[Element]]:
-    """Return for each element that these calls make, by its subject and calls, all elements of the same text."""
+def _reads_parameter(owner: Element, place: Location, texts: Mapping[str, str]) -> bool:
+    """Whether the text of a place, in or of an element, has a parameter of a macro: of the content, any expression counts."""
+    named = [attribute for attribute in owner.attributes.values() if attribute.location.subject == place.subject]
+    reads = (read for attribute in named or owner.attributes.values() for read in attribute.reads)
+    is_content = place.span != owner.span and not named
+    return (
+        is_content
+        or "${" in _get_content(place.span, texts)
+        or any(read.kind == "parameter" for read in flatten_definitions(reads))
+    )
+
+
+def _find_owners(root: Element, calls: Collection[tuple[Span, ...]]) -> dict[_Place, tuple[Element, list[Element]]]:
+    """Return each element that these calls make, by its subject and calls, with all elements of the same text."""
     found = [element for element in root.walk() if element.via in calls]
     made: dict[Span | None, list[Element]] = {element.span: [] for element in found}
     for element in root.walk():
         if element.span in made:
             made[element.span].append(element)
-    return {(element.subject, element.via): made[element.span] for element in found}
+    return {(element.subject, element.via): (element, made[element.span]) for element in found}
 
 
 class _Concerned:
