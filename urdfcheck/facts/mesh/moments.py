@@ -53,8 +53,8 @@ def compute_mesh_moments(vertices: Array, faces: Indices) -> MeshMoments:
     flat = 0
     sums = np.zeros((2, 10))  # volume, area: weight, three first and six second moments
     for start in range(0, len(faces), _CHUNK):
-        a, b, c = corners[:, start : start + _CHUNK]
-        ax, ay, az, bx, by, bz, cx, cy, cz = x[a], y[a], z[a], x[b], y[b], z[b], x[c], y[c], z[c]
+        a, b, c = corners[:, start : start + _CHUNK].astype(np.intp)  # once, and not for each of the nine
+        ax, ay, az, bx, by, bz, cx, cy, cz = (np.take(column, corner) for corner in (a, b, c) for column in (x, y, z))
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx
         weights = np.empty((2, len(a)))
