@@ -94,6 +94,15 @@ def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: 
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
+@pytest.mark.parametrize(("condition", "severity"), [("true", Severity.ERROR), ("$(eval 1 > 2)", Severity.WARNING)])
+def test_a_description_that_the_launch_may_leave_out_is_a_warning(
+    tmp_path: Path, condition: str, severity: Severity
+) -> None:
+    body = f'<group if="{condition}">{load("$(find car)/urdf/gone.urdf")}</group>'
+    (finding,) = find_in_package(tmp_path, body, "LCH001")
+    assert (finding.message_id, finding.severity) == ("file", severity)
+
+
 def test_the_own_package_is_meant_where_it_has_the_file(tmp_path: Path) -> None:
     (finding,) = find_in_package(tmp_path, load("$(find spot_description)/urdf/car.urdf"), "LCH001")
     assert finding.message_id == "package"
