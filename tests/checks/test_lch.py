@@ -313,8 +313,9 @@ def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, fo
     find_in_package(tmp_path, LOAD, "LCH001")
     path = tmp_path / "car" / folder / "old.launch"
     path.parent.mkdir(exist_ok=True)
-    path.write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}</launch>")
-    assert len(check(tmp_path / "car", codes={"LCH001"}).findings) == count
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/>'
+    path.write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}{node}</launch>")
+    assert len(check(tmp_path / "car", codes={"LCH001", "LCH003"}).findings) == 2 * count
 
 
 ROS2 = "<export><build_type>ament_cmake</build_type></export>"
