@@ -494,7 +494,11 @@ def _build_cause_finding(
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
         cause=None if message in {"elsewhere", "rotated"} else cause,
         # The mass, or the drawing, is as likely to be wrong.
-        edits=() if mended is None or message in {"size", "rotated"} else mended.edits,
+        edits=()
+        if mended is None
+        or message in {"size", "rotated"}
+        or (message == "named" and _is_in_doubtful_file(model, cause))
+        else mended.edits,
         related=[
             *_list_twins(model, judged),
             *([] if drawn_twin is None else [drawn_twin]),
@@ -518,9 +522,17 @@ def _describe_repair(model: Model, link: Link, judged: DiagnosedInertial, mended
     if diagnosis.cause in _OF_PLACE:
         return f"write {mended.words}, or correct the <origin> of the shapes if RViz shows them out of place"
     is_near = drawn is None or diagnosis.mended is None or measure_difference(diagnosis.mended, drawn) < _NEAR
-    if mended.edits or is_near:
+    if (mended.edits or is_near) and not _is_in_doubtful_file(model, diagnosis.cause):
         return f"write {mended.words}, or compute the inertial again if that is not the mistake"
     return f"compute the inertial again, or write {mended.words} if that is the mistake"
+
+
+def _is_in_doubtful_file(model: Model, cause: str | None) -> bool:
+    """Whether most links of the file do not fit their drawings, and not by this ``cause``: what is wrong with them all may be
+    wrong with a link that one mistake happens to fit."""
+    judged = inertial_diagnoses(model).values()
+    unlike = [one for one in judged if not one.diagnosis.sound and one.diagnosis.cause != cause]
+    return 2 * len(unlike) > len(judged)
 
 
 def _describe_drawn_com(model: Model, link: Link, mended: InertialRepair | None) -> str:
