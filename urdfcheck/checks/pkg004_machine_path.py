@@ -167,12 +167,11 @@ def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None
     return None
 
 
-@lru_cache(maxsize=1)  # most files of a model are in one folder
+@lru_cache(maxsize=16)  # most files of a model are in a few folders
 def _list_folders_by_ending(parents: tuple[str, ...], finder: PackageFinder) -> list[Path]:
     """Return the folders that the end of a path names in the model's folder or in one around it, the longest end first."""
-    places = (
-        around.joinpath(*parents[start:]) for start in range(1, len(parents)) for around in finder.list_parent_folders()
-    )
+    levels = finder.list_parent_folders()
+    places = (around.joinpath(*parents[start:]) for start in range(1, len(parents)) for around in levels)
     return [place for place in places if finder.can_open(place) and os.path.isdir(place)]
 
 
