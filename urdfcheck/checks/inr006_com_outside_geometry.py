@@ -63,9 +63,8 @@ def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
         distance, size, points = min(distances, key=lambda one: one[0] / one[1] if one[1] else 0.0)
         if not size or distance <= margin * size or (distance < size and is_stand_in(part)):
             continue
-        # A light part that is many sizes away adds to the moments of its body like a heavy one, with the square of the distance:
-        # no mass inside the drawing has more than half its size for a lever.
-        if part.mass_share * max(1.0, 2.0 * distance / size) ** 2 < NEGLIGIBLE_SHARE:
+        # A light part that is many sizes away adds to the moments of its body like a heavy one, with the square of the distance.
+        if part.mass_share * max(1.0, distance / size) ** 2 < NEGLIGIBLE_SHARE:
             continue
         sign = _find_sign_repair(model, part)
         missing = sign is None and not any(part.inertial.origin.xyz or ())

@@ -174,7 +174,7 @@ def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
         "others": "The other pair agrees" if lone.witnesses == 1 else f"The {lone.witnesses} other pairs agree",
         "between": _list_subjects(both),
     }
-    if lone.joint.is_movable:
+    if lone.joint.is_movable and name != "xyz":
         return PlaceMistake(message="lone", joints=both, at=at, related=(related,), data=data)
     off = np.abs(np.abs(numbers[0]) - np.abs(numbers[1]))
     is_place = name == "xyz"

@@ -113,6 +113,8 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
         others = tuple(other for i, other in enumerate(group) if i != index)
         if is_of_other_kind(group[index], others) or is_alike(model, group[index].child, group[like].child) is False:
             continue
+        if _is_named_otherwise(group[index], others):
+            continue
         if attribute == "xyz" and is_taken_back(model, group[index], group[like]):
             continue
         if attribute == "xyz" and not _is_sign_slip(places, index, like):
@@ -124,6 +126,16 @@ def _find_odd_numbers(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbe
         else:
             continue
         yield OddNumbers(joint=group[index], others=others, attribute=attribute, expected=expected)
+
+
+def _is_named_otherwise(joint: Joint, others: Sequence[Joint]) -> bool:
+    """Whether a joint carries another thing than the others, by the names of the links: exporters number joints."""
+    kinds = {_strip_numbers(other.child) for other in others}
+    return len(kinds) == 1 and _strip_numbers(joint.child) not in kinds
+
+
+def _strip_numbers(name: str) -> tuple[str, ...]:
+    return tuple(word for word in remove_places(name) if not word.isdigit())
 
 
 def _find_odd_spoke(model: Model, group: Sequence[Joint]) -> Iterator[OddNumbers]:
@@ -229,7 +241,7 @@ def _find_odd_vector(values: Array) -> int | None:
 def _find_odd_place(places: Array) -> int | None:
     """Return the only place (3,) whose distances along the axes differ from those of the others."""
     index = _find_odd_vector(np.abs(places))
-    if index is None:
+    if index is None or np.linalg.norm(places[index - 1]) < _NEAR:
         return None
     return index if np.abs(np.abs(places[index]) - np.abs(places[index - 1])).max() > _NEAR else None
 

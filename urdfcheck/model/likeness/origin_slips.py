@@ -437,6 +437,15 @@ def _is_reversed(model: Model, group: Sequence[Joint], index: int, axes: Sequenc
         return False
     if any(odd.get_limit_value(name) != like.get_limit_value(name) for name in ("lower", "upper")):
         return False
-    return all(
+    opposite = [
         float(model.axes[odd.name] @ model.axes[joint.name]) < _PARALLEL - 1 for joint in group if joint is not odd
-    )
+    ]
+    if all(opposite):
+        return True
+    # Frames of two sides that are rotated have axes of two directions: then those with the frame of this one count.
+    alike = [
+        is_opposite
+        for joint, is_opposite in zip((joint for joint in group if joint is not odd), opposite, strict=True)
+        if joint.parent == odd.parent and joint.origin.rpy == odd.origin.rpy
+    ]
+    return bool(alike) and all(alike) and len({joint.parent for joint in group}) == 1

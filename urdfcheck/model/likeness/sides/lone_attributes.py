@@ -12,6 +12,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.likeness.mirror_pairs import list_named_pairs
 from urdfcheck.model.likeness.mirrored_joints import TURNING
 from urdfcheck.model.likeness.odd_limbs import places_something
+from urdfcheck.model.likeness.origin_slips import is_taken_back
 from urdfcheck.model.likeness.shape_comparison import is_alike
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
 
 # So many other pairs agree (chosen).
 _WITNESSES = 3
-# So many other pairs of fixed joints agree about their places, and so far off (m) is one that does not: a calibration is
+# So many other pairs of joints agree about their places, and so far off (m) is one that does not: a calibration is
 # less, and a part that is farther off is arranged otherwise. All three are chosen.
 _FIXED_WITNESSES, _LEAST_OFF, _MOST_OFF = 4, 2e-3, 0.05
 # Components of unit axes, coordinates (m) and angles (rad) that were typed alike, apart from the noise of a CAD program.
@@ -61,6 +62,7 @@ def iter_lone_attributes(model: Model) -> Iterator[LoneAttribute]:
         is_across = attribute == "axis" and one.parent == other.parent and _is_across(odd[0])
         if len(pairs) > (1 if is_across else _WITNESSES):
             yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+    yield from _find_lone_moving_place(model)
     yield from _find_lone_bolted(model)
 
 
@@ -83,16 +85,35 @@ def _find_lone_bolted(model: Model) -> Iterator[LoneAttribute]:
         if len(odd) != 1 or is_alike(model, odd[0][0].child, odd[0][1].child) is False:
             continue
         one, other = odd[0]
-        if attribute == "rpy":
-            is_slip = _is_slip(model, odd[0], attribute)
-        else:
-            first, second = (_read(joint, "xyz") for joint in odd[0])
-            off = 0.0 if first is None or second is None else float(np.linalg.norm(first - second))
-            is_same_otherwise = _agree(odd[0], "rpy") and _is_drawn_alike(model, odd[0])
-            behind = [known for known in all_pairs if _hangs_on(known, odd[0])]
-            is_slip = _LEAST_OFF < off < _MOST_OFF and is_same_otherwise and all(_agree(k, "xyz") for k in behind)
-        if is_slip:
+        if _is_slip(model, odd[0], "rpy") if attribute == "rpy" else _is_displaced(model, odd[0], all_pairs):
             yield LoneAttribute(joint=other, twin=one, attribute=attribute, witnesses=len(pairs) - 1)
+
+
+def _find_lone_moving_place(model: Model) -> Iterator[LoneAttribute]:
+    """Yield the only two joints that move whose places differ in more than signs, as typed."""
+    pairs = _list_pairs(model)
+    odd = [pair for pair in pairs if not _agree(pair, "xyz")]
+    if len(odd) != 1 or len(pairs) <= _FIXED_WITNESSES or is_alike(model, odd[0][0].child, odd[0][1].child) is False:
+        return
+    one, other = odd[0]
+    if _agree(odd[0], "axis") and _is_displaced(model, odd[0], pairs) and not is_taken_back(model, other, one):
+        yield LoneAttribute(joint=other, twin=one, attribute="xyz", witnesses=len(pairs) - 1)
+
+
+def _is_displaced(model: Model, pair: tuple[Joint, Joint], all_pairs: Sequence[tuple[Joint, Joint]]) -> bool:
+    """Whether the places of two joints differ by as much as a slip does, across their axes, and nothing else does."""
+    first, second = (_read(joint, "xyz") for joint in pair)
+    turn, axis = pair[0].origin.matrix, pair[0].axis
+    if first is None or second is None or turn is None:
+        return False
+    off = first - second
+    if pair[0].has_axis and axis is not None and any(axis):
+        line = np.abs(turn[:3, :3] @ np.array(axis)) / np.linalg.norm(axis)
+        off = off * (1.0 - line)  # where on its axis a frame is, is a choice
+    is_same_otherwise = _agree(pair, "rpy") and _is_drawn_alike(model, pair)
+    behind = [known for known in all_pairs if _hangs_on(known, pair)]
+    distance = float(np.linalg.norm(off))
+    return _LEAST_OFF < distance < _MOST_OFF and is_same_otherwise and all(_agree(k, "xyz") for k in behind)
 
 
 def _hangs_on(pair: tuple[Joint, Joint], above: tuple[Joint, Joint]) -> bool:
