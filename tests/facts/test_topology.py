@@ -106,3 +106,15 @@ def test_bodies_that_touch_along_an_edge_are_two_and_two_sides_of_one_sheet_are_
     assert pillow.closed
     assert not pillow.distinct_faces
     assert classify_edges(one, 4).distinct_faces
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_a_surface_is_closed_whatever_its_corners_are_numbered(more: int) -> None:
+    """The last corner has the greatest number for which a half edge has room, or one more."""
+    last = 2**21 - 1 + more
+    faces = np.array([(0, 1, 2), (0, last, 1), (1, last, 2), (2, last, 0)])
+    edges = classify_edges(faces, last + 1)
+    assert (edges.closed, edges.watertight, edges.winding_consistent) == (True, True, True)
+    assert [len(kind) for kind in (edges.open, edges.non_manifold, edges.flipped)] == [0, 0, 0]
+    assert not classify_edges(faces[1:], last + 1).closed
+    assert not classify_edges(faces[[0, 1, 2, 0]], last + 1).closed
