@@ -168,9 +168,7 @@ def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:
     return {name: max(j.get_limit_value(name) or 0.0 for j in joints) for name in ("effort", "velocity")}
 
 
-def _check_zeros(
-    model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: AbstractSet[str]
-) -> Iterator[Finding]:
+def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: AbstractSet[str]) -> Iterator[Finding]:
     """Report limits of zero; ``chosen``: the joints for whose limits a comment gives a reason."""
     still = {joint.name for joint in driven if joint.get_limit_value("velocity") == 0}
     powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
