@@ -112,8 +112,8 @@ def _find_excess_density(model: Model, part: EnclosedInertial, *, margin: float)
 
 
 def _is_weighted_wheel(model: Model, found: _ExcessDensity) -> bool:
-    """Whether a link is a wheel with a mass that was typed, and no more than the heaviest other body has: then it may be to keep the
-    vehicle from drifting."""
+    """Whether a link is a wheel with a mass that was typed, and no more than the heaviest other body has: then it may be to keep
+    the vehicle from drifting."""
     name, mass = found.part.link.name, found.part.mass
     joint = model.pieces.parent_joint.get(model.pieces.list_body_links(name)[0])
     if joint is None or joint.type != "continuous" or not WHEEL_NAME.search(f"{joint.name} {name}"):

@@ -139,9 +139,9 @@ def _describe_misplaced_joint(model: Model, off: MisplacedJoint) -> PlaceMistake
 
 
 def _is_stacked(model: Model, off: MisplacedJoint, *, away: Array) -> bool:
-    """Whether two hinges on one link are apart along their axes, which are across the line between them, and so are the axes of all
-    joints that they carry: then the limbs move in two planes, and may lie one over the other. ``away`` (3,): of the first joint,
-    from the other's mirror image."""
+    """Whether two hinges on one link are apart along their axes, which are across the line between them, and so are the axes of
+    all joints that they carry: then the limbs move in two planes, and may lie one over the other. ``away`` (3,): of the first
+    joint, from the other's mirror image."""
     joint, twin = off.joint, off.twin
     matrices = joint.origin.matrix, twin.origin.matrix
     if joint.parent != twin.parent or joint.type not in TURNING or matrices[0] is None or matrices[1] is None:
