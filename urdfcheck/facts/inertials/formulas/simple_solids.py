@@ -33,7 +33,10 @@ def name_simple_solids(mass: float, moments: Sequence[float]) -> frozenset[str]:
 def _measure_slack(moments: Sequence[float]) -> float:
     """Return by how much of them lengths are uncertain that three moments were computed from."""
     halves = list_half_units([repr(value) for value in moments])
-    return max(_EXACT, *(half / abs(value) if value else math.inf for half, value in zip(halves, moments, strict=True)))
+    # A length is the square root of a moment.
+    return max(
+        _EXACT, *(half / value / 2.0 if value > 0.0 else math.inf for half, value in zip(halves, moments, strict=True))
+    )
 
 
 def _iter_solids(mass: float, moments: Sequence[float], slack: float) -> Iterator[tuple[str, list[float]]]:
@@ -41,13 +44,13 @@ def _iter_solids(mass: float, moments: Sequence[float], slack: float) -> Iterato
     squares = 6.0 * (np.sum(moments) - 2.0 * np.array(moments)) / mass
     if (squares > 0.0).all():
         yield "box", np.sqrt(squares).tolist()
-    if max(moments) - min(moments) <= 2.0 * slack * max(moments):
+    if max(moments) - min(moments) <= 4.0 * slack * max(moments):
         mean = float(np.mean(moments))
         yield "cube", [math.sqrt(6.0 * mean / mass)]
         yield "sphere", [math.sqrt(2.5 * mean / mass)]
     for along, one, other in permutations(moments):
         length = 12.0 * one / mass - 6.0 * along / mass
-        if one <= other and other - one <= 2.0 * slack * other and length > 0.0:
+        if one <= other and other - one <= 4.0 * slack * other and length > 0.0:
             yield "cylinder", [math.sqrt(2.0 * along / mass), math.sqrt(length)]
 
 
