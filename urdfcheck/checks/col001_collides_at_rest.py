@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
-from urdfcheck.model import Joint, Model
+from urdfcheck.model import Joint, Model, Shape
 from urdfcheck.model.gazebo import list_loop_joints
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.self_collisions import (
@@ -20,6 +20,7 @@ from urdfcheck.model.motion.collisions.self_collisions import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
+from urdfcheck.model.simulation_use import is_without_dynamics
 
 if TYPE_CHECKING:
     from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes
@@ -29,6 +30,8 @@ if TYPE_CHECKING:
 _LEAST_STAGES = 2
 # The pads of a closed gripper are pressed together: by 0.6 mm in Fetch's model, 1.7 mm in that of PR2.
 _PADS = 2.0
+# Drawn parts that stand for collision shapes overlap by so many times the slight depth without a meaning (chosen).
+_DRAWN = 5.0
 # A shallow overlap is less than this part of the smaller shape.
 _SHALLOW_SHARE = 0.02
 # A deep one is at least this part.
@@ -77,7 +80,12 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
     ]
     harmless = [*nested, *shallow]
     for group in _group_by_shape([item for item in rest if item not in harmless]):
-        yield _build_overlap_finding(model, rule, group, samples=samples)
+        is_unused = (
+            all(_is_drawing(model, pair, contact, slight) for pair, contact in group)
+            and is_without_dynamics(model)
+            and not semantic_descriptions(model)
+        )
+        yield _build_overlap_finding(model, rule, group, samples=samples, is_unused=is_unused)
     for message, overlaps in (("nested", nested), ("slight", shallow)):
         if overlaps:
             yield rule.finding(
@@ -142,6 +150,18 @@ def _find_restored_origins(
 def _is_shallow(contact: Contact, slight: float) -> bool:
     """Whether an overlap is as deep as shapes are inaccurate; in a tiny robot it is not if it is much of a shape."""
     return contact.depth < min(slight, _SHALLOW_SHARE * contact.size)
+
+
+def _is_drawing(model: Model, pair: CollisionPair, contact: Contact, slight: float) -> bool:
+    """Whether the visuals of two links, which are their collision shapes too, overlap by a few millimetres."""
+    drawn = [{_name_mesh(shape) for shape in model.link_by_name[name].visuals} for name in pair.links]
+    used = [_name_mesh(shape) for shape in contact.shapes]
+    is_drawn = all(mesh and any(mesh in meshes for meshes in drawn) for mesh in used)
+    return is_drawn and contact.depth < min(_DRAWN * slight, _DEEP_SHARE * contact.size)
+
+
+def _name_mesh(shape: Shape) -> str:
+    return "" if shape.mesh_filename is None else shape.mesh_filename.value
 
 
 def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
@@ -307,7 +327,7 @@ def _group_by_shape(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> Iterat
 
 
 def _build_overlap_finding(
-    model: Model, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], *, samples: int
+    model: Model, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], *, samples: int, is_unused: bool
 ) -> Finding:
     pair, contact = group[0]
     is_disabled = {frozenset(p.links) for p, _ in group} <= _list_disabled_pairs(model)
@@ -322,7 +342,9 @@ def _build_overlap_finding(
             locate_geometry(other),
             *(locate_geometry(s) for _, c in group[1:] for s in c.shapes if s is not shape),
         ],
-        severity=Severity.INFO if is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group) else None,
+        severity=Severity.INFO
+        if is_unused or is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group)
+        else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
         srdf=_INTENDED if is_disabled else _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE,
         pose=_describe_pose(model, [p for p, _ in group]),

@@ -12,7 +12,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_box_size, join_names
 from urdfcheck.facts.inertials.certainty import VAST
-from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
+from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance, compute_solid_inertia
 from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
@@ -26,6 +26,7 @@ from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_role
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.inertials.inertia_tensor import Solid
 
 
 # Tensors that agree in this many digits were copied.
@@ -35,6 +36,8 @@ _ROLES = ("visual", "collision")
 _SAME_COM = 0.002
 # A number of fewer digits may be twice there by chance.
 _TELLING_DIGITS = 4
+# A tensor is about other axes than the drawn part's, and a COM is not that of the part, beyond these shares (chosen).
+_TURNED, _AWAY = 0.25, 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -52,6 +55,8 @@ class _InertiaSignature:
     """Of the drawn solid at uniform density."""
     hull: Array
     """Of its convex hull at uniform density."""
+    is_in_place: bool
+    """Whether the axes of the tensor and the COM are about those of the drawn solid."""
 
     def measure_shape_distance(self, other: _InertiaSignature) -> float:
         """Return the distance between the shapes, size included; 0 for equal, rotated or mirrored ones."""
@@ -149,7 +154,8 @@ def _compare_shapes(
     if not copies:
         return
     # If the tensor fits no part well, or several, which of them is the copy is not known: the finding is about all that have it.
-    known = original.misfit <= 2 * shape < min(part.misfit for part in copies)
+    fits = original.misfit <= 2 * shape and original.is_in_place
+    known = fits and 2 * shape < min(part.misfit for part in copies)
     for wrong in _split_by_extent(copies, original) if known else [list(parts)]:
         yield _build_finding(model, rule, wrong, original, known=known)
 
@@ -256,7 +262,21 @@ def _compute_signature(model: Model, declared: DeclaredTensor, *, is_tensor: boo
         inertia=_compute_log_eigenvalues(compute_mass_covariance(declared.tensor, mass)),
         solid=_compute_log_eigenvalues(drawn.solid.covariance),
         hull=_compute_log_eigenvalues(drawn.hull.covariance),
+        is_in_place=_is_in_place(declared, drawn.solid, mass),
     )
+
+
+def _is_in_place(declared: DeclaredTensor, solid: Solid, mass: float) -> bool:
+    """Whether the axes of a tensor are about those of a ``solid`` of this ``mass`` (kg), and its COM is about there."""
+    inertia, matrix = declared.inertial.tensor_in_link, declared.inertial.origin.matrix
+    if inertia is None or matrix is None:
+        return False
+    uniform = compute_solid_inertia(solid, mass)
+    moments = np.linalg.eigvalsh(inertia) - np.linalg.eigvalsh(uniform)
+    turned = float(np.linalg.norm(inertia - uniform) - np.linalg.norm(moments))
+    radius = float(np.sqrt(np.trace(solid.covariance)))
+    off = float(np.linalg.norm(matrix[:3, 3] - solid.com))
+    return turned <= _TURNED * float(np.linalg.norm(uniform)) and off <= _AWAY * radius
 
 
 def _says_nothing(declared: DeclaredTensor) -> bool:

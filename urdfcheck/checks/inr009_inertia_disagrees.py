@@ -18,6 +18,7 @@ from urdfcheck.facts.inertials.published_parts import name_published_part
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
+from urdfcheck.model.inertials.diagnosis_rivals import has_rival_formula
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
     NOTABLE,
@@ -481,6 +482,9 @@ def _build_cause_finding(
     data = {**collect_message_data(model, link, judged, is_certain=message == "exact"), "others": others}
     if message == "size":
         data["other_mass"] = f"{other_mass:.4g}"
+    if message in {"exact", "named"} and has_rival_formula(model, tensor, judged):
+        message = "unnamed"
+        data |= {"why": "", "detail": "", "mistake": ""}
     mild = cause in MILD_CAUSES or is_light(model, link, diagnosis.mended) or is_slight(model, link, judged)
     is_bolted = link.name in list_bolted_links(model)
     mild |= message != "exact" and is_bolted and not is_beyond_reach(model, float(np.linalg.norm(judged.declared.com)))
@@ -492,7 +496,7 @@ def _build_cause_finding(
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=None if message in {"elsewhere", "rotated"} else cause,
+        cause=None if message in {"elsewhere", "rotated", "unnamed"} else cause,
         # The mass, or the drawing, is as likely to be wrong.
         edits=()
         if mended is None

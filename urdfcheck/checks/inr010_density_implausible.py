@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
@@ -25,6 +25,7 @@ from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry, measure_links_volume
+from urdfcheck.model.wheel_names import WHEEL_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -71,8 +72,9 @@ def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: fl
     ]
     # The masses of one file have one unit.
     is_one_unit = len({found.slip.get("unit") for found in dense if found.slip["cause"] != "decimal"}) < 2
+    is_of_wheels = bool(dense) and all(_is_weighted_wheel(model, found) for found in dense)
     for found in dense:
-        yield _build_dense_finding(model, rule, found, is_one_unit=is_one_unit)
+        yield _build_dense_finding(model, rule, found, is_one_unit=is_one_unit, is_wheel=is_of_wheels)
     for body in list_whole_bodies(model):
         yield from _check_too_light(model, rule, body, least=least, thinnest=thinnest)
 
@@ -109,12 +111,28 @@ def _find_excess_density(model: Model, part: EnclosedInertial, *, margin: float)
     return _ExcessDensity(part, volume, slip)
 
 
-def _build_dense_finding(model: Model, rule: Rule, found: _ExcessDensity, *, is_one_unit: bool) -> Finding:
+def _is_weighted_wheel(model: Model, found: _ExcessDensity) -> bool:
+    """Whether a link is a wheel with a mass that was typed, and no more than the heaviest other body has: then it may be to keep
+    the vehicle from drifting."""
+    name, mass = found.part.link.name, found.part.mass
+    joint = model.pieces.parent_joint.get(model.pieces.list_body_links(name)[0])
+    if joint is None or joint.type != "continuous" or not WHEEL_NAME.search(f"{joint.name} {name}"):
+        return False
+    bodies = [b for b in list_whole_bodies(model) if not any(map(WHEEL_NAME.search, b.links))]
+    heaviest = max((compute_body_mass(model, body.links) or 0.0 for body in bodies), default=0.0)
+    is_typed = float(f"{mass:.{_TYPED_DIGITS}g}") == mass
+    return found.slip["cause"] is None and is_typed and mass <= heaviest
+
+
+def _build_dense_finding(
+    model: Model, rule: Rule, found: _ExcessDensity, *, is_one_unit: bool, is_wheel: bool
+) -> Finding:
     part, slip = found.part, found.slip
     if slip["cause"] == "unit" and not is_one_unit:
         slip = {"cause": None}
     return rule.finding(
-        "dense",
+        "wheel" if is_wheel else "dense",
+        severity=Severity.INFO if is_wheel else None,
         at=model.mass_by_name[part.link.name].attribute,
         link=part.link.name,
         mass=part.mass,

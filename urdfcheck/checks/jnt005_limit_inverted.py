@@ -12,6 +12,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.fixed_joint_lumping import find_preserved_names
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.repairs.edits import swap_values
+from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
 
 # What a wheel is, unless it is not to turn.
@@ -45,13 +46,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
     named = collect_plugin_texts(model) if equal else frozenset()
     kept = find_preserved_names(model) if equal else {}
+    commanded = named | _collect_driven_names(model)
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():
+        # Neither an exporter nor a command is behind a joint that a robot with plugins of Gazebo holds at zero.
+        is_held = named and value == 0 and not is_empty
+        meant = [
+            joint
+            for joint in joints
+            if joint.child in named
+            or joint.name in kept
+            or (is_held and not WHEEL_NAME.search(f"{joint.name} {joint.child}") and joint.name not in commanded)
+            or joint.name in collect_reasoned_joints(model)
+        ]
         yield build_group_finding(
             rule,
             "equal",
             [joint.limit for joint in joints if joint.limit is not None],
-            severity=Severity.INFO if all(j.child in named or j.name in kept for j in joints) else Severity.WARNING,
+            severity=Severity.INFO if all(joint in meant for joint in joints) else Severity.WARNING,
             joints=join_names(joint.name for joint in joints),
             which=format_count(len(joints), "joint has", "joints have"),
             value=value,
@@ -60,6 +72,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
+
+
+def _collect_driven_names(model: Model) -> set[str]:
+    """Collect the joints that blocks of ros2_control and transmissions name."""
+    blocks = (block for tag in ("ros2_control", "transmission") for block in model.robot.find_children(tag))
+    return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
 def _is_mirrored(model: Model, lower: float, upper: float) -> bool:

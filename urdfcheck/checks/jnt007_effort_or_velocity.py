@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -11,6 +12,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.simulation_use import has_bare_joints, is_simulated_hardware
+from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.xml import Element
 
@@ -47,8 +49,9 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
             )
     joints = [] if is_held_still(model.robot) else model.joints
     driven = [joint for joint in joints if joint.is_driven and not joint.is_held]
-    yield from _check_zeros(model, rule, driven)
-    moving = _drop_idle_joints(model, driven)
+    chosen = collect_reasoned_joints(model)
+    yield from _check_zeros(model, rule, driven, chosen=chosen)
+    moving = [joint for joint in _drop_idle_joints(model, driven) if joint.name not in chosen]
     idle = _collect_read_joints(model)
     free = [joint for joint in moving if joint.name in idle and _is_endless(joint)]
     if beyond := [joint for joint in free if _is_beyond(joint, effort=most_effort, velocity=most_velocity)]:
@@ -165,14 +168,22 @@ def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:
     return {name: max(j.get_limit_value(name) or 0.0 for j in joints) for name in ("effort", "velocity")}
 
 
-def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[Finding]:
+def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: AbstractSet[str]) -> Iterator[Finding]:
+    """Report limits of zero; ``chosen``: the joints for whose limits a comment gives a reason."""
     still = {joint.name for joint in driven if joint.get_limit_value("velocity") == 0}
     powerless = [joint for joint in driven if joint.get_limit_value("effort") == 0]
     simulated = _collect_simulated_motors(model)
     with_motor = [joint for joint in powerless if joint.name in simulated]
     # A velocity of 0 that all joints have says nothing of one.
     idle = still if len(still) < len(driven) else set()
-    forgotten = [j for j in powerless if j not in with_motor and j.name not in idle and _is_odd(j, powerless, driven)]
+    # Nor has a joint a motor, such as the pin that closes a loop, that nothing commands while something commands others.
+    commanded = _collect_commanded_joints(model)
+    loose = {joint.name for joint in driven} - commanded if commanded else set()
+    forgotten = [
+        j
+        for j in powerless
+        if j not in with_motor and j.name not in idle | loose | chosen and _is_odd(j, powerless, driven)
+    ]
     without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
     # Where the velocity is 0 too, who writes the effort alone repairs half.
     for is_still in (False, True):
@@ -195,14 +206,14 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint]) -> Iterator[
     is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)
     # A joint without effort has no motor, unless no joint has any: then nobody wrote the efforts.
     unknown = is_odd and len(powerless) == len(driven)
-    commanded = {joint.get("name") for _, joint in _iter_simulated_joints(model)}
+    with_command = {joint.get("name") for _, joint in _iter_simulated_joints(model)}
     # JNT005 reports a joint that cannot move: it needs no speed. Of those with a motor, both numbers are told above.
     slow = [
         joint
         for joint in driven
         if joint.name in still
         and joint not in with_motor
-        and (unknown or joint not in without or (joint.name in commanded and not is_empty))
+        and (unknown or joint not in without or (joint.name in with_command and not is_empty))
         and not _is_locked(joint)
     ]
     if slow:

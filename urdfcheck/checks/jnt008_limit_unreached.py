@@ -10,6 +10,7 @@ from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.stated_reasons import collect_reasoned_joints
 
 # A limit of this size means "no limit".
 _ENDLESS = 1e6
@@ -28,6 +29,8 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
         lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if lower is None or upper is None or lower == upper:
             continue  # exporters write zeros for every joint
+        if joint.name in collect_reasoned_joints(model):
+            continue
         if joint.type == "fixed" or (
             joint.type == "continuous"
             and max(-lower, upper) < _ENDLESS

@@ -36,6 +36,12 @@ _MIMIC_ENGINE = re.compile(r"gz-physics-(?:bullet-featherstone|mujoco)")
 _ROS_CONTROL = re.compile(
     r"gazebo_ros_control|hardware_interface|transmission_interface|controller_manager|ros_control"
 )
+# Programs that check a robot for collisions with itself, in manifests, launch files and scripts.
+_COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tesseract|\bompl\b|curobo", re.IGNORECASE)
+# Programs that compute with masses without being simulators, in launch files and scripts.
+_DYNAMICS = re.compile(r"pinocchio|rbdl|\bkdl|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE)
+# The program that publishes the frames of a robot and reads no mass.
+_STATE_PUBLISHER = re.compile(r"\b(?:robot_state_publisher|state_publisher)\b")
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
 _SCAN_FILTER = re.compile(r"laser_filter|scan_filter|scan_to_scan_filter|LaserScan\w*Filter")
 # The option of Gazebo's spawners that puts a joint at a position.
@@ -167,6 +173,32 @@ def has_bare_joints(model: Model) -> bool:
 def is_made_for_display(model: Model) -> bool:
     """Whether a robot is drawn, and its moving parts with it, but never simulated: then an inertial of its root is a dummy."""
     return has_bare_joints(model) and any(link.visuals for link in _list_moving_links(model))
+
+
+def is_loaded_for_frames(model: Model) -> bool:
+    """Whether the files that name the model's own one start a program that publishes its frames, and none that reads a mass; and
+    no file gives whatever robot is loaded to one that does. The robot itself is for none either."""
+    own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
+    texts = _list_project_texts(model)
+    naming = [text for text in texts if own.search(text)]
+    if not naming or not all(_STATE_PUBLISHER.search(text) and not _reads_masses(text) for text in naming):
+        return False
+    if any("robot_description" in text and not _MODEL_FILE.search(text) and _reads_masses(text) for text in texts):
+        return False
+    return not any(model.robot.find_child(tag) is not None for tag in ("gazebo", "ros2_control", "transmission"))
+
+
+def _reads_masses(text: str) -> bool:
+    return _SIMULATOR.search(text) is not None or _DYNAMICS.search(text) is not None
+
+
+def is_without_dynamics(model: Model) -> bool:
+    """Whether no body that moves has an ``<inertial>``, and neither a simulator nor a program that checks for collisions is named
+    in a file of the model's package, or of one that depends on it."""
+    links = _list_moving_links(model)
+    if not links or any(link.inertial is not None for link in links) or is_simulated(model):
+        return False
+    return not any(map(_COLLISION_CHECKER.search, _list_project_texts(model)))
 
 
 def _list_moving_links(model: Model) -> list[Link]:

@@ -10,9 +10,9 @@ import numpy as np
 
 from urdfcheck.core import Edit, Location
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import format_point, join_names
+from urdfcheck.core.text import format_point, join_names, split_name_words
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair
-from urdfcheck.model.likeness.mirrored_joints import MisplacedJoint, find_misplaced_joint
+from urdfcheck.model.likeness.mirrored_joints import TURNING, MisplacedJoint, find_misplaced_joint
 from urdfcheck.model.likeness.odd_limbs import OddNumbers, iter_odd_numbers
 from urdfcheck.model.likeness.origin_slips import (
     OddSign,
@@ -39,6 +39,31 @@ if TYPE_CHECKING:
 
 # Metres within which two exports of one assembly differ in several coordinates, each by this share of the distance (chosen).
 _MINOR, _NOTABLE = 5e-3, 0.2
+# A place is off along an axis where it is off by no more than this share in other directions, and an axis is across a line that
+# has this share of its length across the axis (chosen).
+_SIDEWAYS, _ACROSS = 0.05, 0.95
+# Cosine of the angle between axes of one plane: 1°.
+_PARALLEL = 1 - 1.5e-4
+# Parts whose frames are where their makers say: the lens of a camera, not its middle.
+_SENSOR_WORDS = frozenset(
+    {
+        *(
+            "camera",
+            "cam",
+            "lens",
+            "stereo",
+            "sensor",
+            "imu",
+            "lidar",
+            "laser",
+            "sonar",
+            "ultrasound",
+            "ultrasonic",
+            "radar",
+        ),
+        *("optical", "depth", "rgb", "infra1", "infra2", "tof", "gps", "antenna", "microphone"),
+    }
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -87,12 +112,12 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
         if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
-            yield _describe_misplaced_joint(off)
+            yield _describe_misplaced_joint(model, off)
     yield from map(_describe_slip, iter_lone_coordinates(model))
     yield from map(_describe_lone_attribute, iter_lone_attributes(model))
 
 
-def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
+def _describe_misplaced_joint(model: Model, off: MisplacedJoint) -> PlaceMistake:
     both = off.joint, off.twin
     data: dict[str, Any] = {"joint": off.joint.name, "twin": off.twin.name, "between": _list_subjects(both)}
     if off.distance:
@@ -104,11 +129,38 @@ def _describe_misplaced_joint(off: MisplacedJoint) -> PlaceMistake:
             first, second = (f"{move} and move what it carries back by as much" for move in (first, second))
         data |= {"distance": off.distance * 1e3, "first": first, "second": second}
         away = np.abs(np.array(off.joint.origin.xyz or (0.0, 0.0, 0.0)) - there)
+        if _is_stacked(model, off, away=np.array(off.joint.origin.xyz or (0.0, 0.0, 0.0)) - there):
+            return PlaceMistake(message="stacked", joints=both, at=at, related=(related,), data=data, is_minor=True)
         is_minor = off.distance < _MINOR and int((away > _NOTABLE * off.distance).sum()) > 1
         return PlaceMistake(message="origin", joints=both, at=at, related=(related,), data=data, is_minor=is_minor)
     at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     data["angle"] = math.degrees(off.angle)
     return PlaceMistake(message="axis", joints=both, at=at, related=(related,), data=data)
+
+
+def _is_stacked(model: Model, off: MisplacedJoint, *, away: Array) -> bool:
+    """Whether two hinges on one link are apart along their axes, which are across the line between them, and so are the axes of
+    all joints that they carry: then the limbs move in two planes, and may lie one over the other. ``away`` (3,): of the first
+    joint, from the other's mirror image."""
+    joint, twin = off.joint, off.twin
+    matrices = joint.origin.matrix, twin.origin.matrix
+    if joint.parent != twin.parent or joint.type not in TURNING or matrices[0] is None or matrices[1] is None:
+        return False
+    axis = matrices[0][:3, :3] @ np.array(joint.axis or (1.0, 0.0, 0.0))
+    axis /= max(float(np.linalg.norm(axis)), 1e-300)
+    between = matrices[0][:3, 3] - matrices[1][:3, 3]
+    across = between - axis * float(axis @ between)
+    is_along = float(np.linalg.norm(away - axis * float(axis @ away))) < _SIDEWAYS * float(np.linalg.norm(away))
+    if not all(_carries_parallel_axes(model, one) for one in (joint, twin)):
+        return False  # legs and steered wheels stand on the ground
+    return is_along and float(np.linalg.norm(across)) > _ACROSS * float(np.linalg.norm(between))
+
+
+def _carries_parallel_axes(model: Model, joint: Joint) -> bool:
+    """Whether a joint carries others that move, and the axes of all of them are parallel to its own."""
+    behind = [one for one in model.joints if one.is_movable and joint in model.tree.find_path_to(one.parent)]
+    axes = [model.axes[one.name] for one in (joint, *behind) if one.name in model.axes]
+    return bool(behind) and all(abs(float(axis @ axes[0])) > _PARALLEL for axis in axes)
 
 
 def _describe_lone_turn(turn: LoneTurn) -> PlaceMistake:
@@ -180,7 +232,17 @@ def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
     is_place = name == "xyz"
     data["off"] = f"{1e3 * float(np.linalg.norm(off)):.3g} mm" if is_place else f"{math.degrees(off.max()):.3g}°"
     data["rest"] = "angles" if is_place else "places"
-    return PlaceMistake(message="lone_place", joints=both, at=at, related=(related,), data=data)
+    # The two cameras of a stereo pair have one lens each as their origin, both left or both right.
+    words = {word.lower() for joint in both for name in (joint.name, joint.child) for word in split_name_words(name)}
+    is_of_sensor = is_place and not words.isdisjoint(_SENSOR_WORDS)
+    return PlaceMistake(
+        message="sensor" if is_of_sensor else "lone_place",
+        joints=both,
+        at=at,
+        related=(related,),
+        data=data,
+        is_minor=is_of_sensor,
+    )
 
 
 def _describe_odd_sign(odd: OddSign) -> PlaceMistake:

@@ -1,0 +1,52 @@
+"""Elements of which a comment beside them says what their numbers are for: they were chosen, and are not a slip."""
+
+from __future__ import annotations
+
+import re
+
+from urdfcheck.model.fact import fact
+from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.robot import Model
+from urdfcheck.source.text.xml import Attribute, Element
+
+_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+# A comment that ends where the element begins, and one that begins where a value of its line ends.
+_COMMENT_BEFORE = re.compile(r"<!--((?:(?!-->).)*)-->\s*\Z", re.DOTALL)
+_COMMENT_BEHIND = re.compile(r"[^\r\n<]*<!--(.*?)-->", re.DOTALL)
+# How far before an element its comment begins, at most (characters).
+_REACH = 600
+# Words that give a reason for the numbers. That they are dummies is none, for they may still have to be replaced; nor is that an
+# inertial is needed, whatever it says.
+_REASON = re.compile(
+    r"stabili|unstab|instab|avoid|prevent|\bhack|\bnon-?\s?zero|\bpruned|bolt(?:ed|ing) down|\bon purpose|intentional|deliberate"
+    r"|\b(?:null|minimal|smallest)(?: valid)? inerti|work-?\s?around|\bdrift",
+    re.IGNORECASE,
+)
+
+
+def has_stated_reason(model: Model, element: Element) -> bool:
+    """Whether a comment in an element, or right before it, says why its numbers are what they are."""
+    span = element.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None:
+        return False
+    end = max(file.text.find(f"</{element.tag}", span.start), span.start)
+    comments = _COMMENT.findall(file.text, span.start, end)
+    before = _COMMENT_BEFORE.search(file.text[max(0, span.start - _REACH) : span.start])
+    return any(map(_REASON.search, comments if before is None else [*comments, before[1]]))
+
+
+@fact
+def collect_reasoned_joints(model: Model) -> frozenset[str]:
+    """Collect the joints with such a comment, and those of the same name on other sides."""
+    known = {joint.name for joint in model.joints if has_stated_reason(model, joint.element)}
+    places = {remove_places(name) for name in known}
+    return frozenset(j.name for j in model.joints if j.name in known or remove_places(j.name) in places)
+
+
+def has_reason_behind(model: Model, attribute: Attribute) -> bool:
+    """Whether a comment on the line where the number of an attribute was typed says why it is what it is."""
+    span = attribute.location.span
+    file = None if span is None else model.source.files.get(span.file)
+    behind = None if span is None or file is None else _COMMENT_BEHIND.match(file.text, span.end)
+    return behind is not None and _REASON.search(behind[1]) is not None
