@@ -94,6 +94,15 @@ def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: 
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
+@pytest.mark.parametrize(("condition", "severity"), [("true", Severity.ERROR), ("$(eval 1 > 2)", Severity.WARNING)])
+def test_a_description_that_the_launch_may_leave_out_is_a_warning(
+    tmp_path: Path, condition: str, severity: Severity
+) -> None:
+    body = f'<group if="{condition}">{load("$(find car)/urdf/gone.urdf")}</group>'
+    (finding,) = find_in_package(tmp_path, body, "LCH001")
+    assert (finding.message_id, finding.severity) == ("file", severity)
+
+
 def test_the_own_package_is_meant_where_it_has_the_file(tmp_path: Path) -> None:
     (finding,) = find_in_package(tmp_path, load("$(find spot_description)/urdf/car.urdf"), "LCH001")
     assert finding.message_id == "package"
@@ -304,8 +313,9 @@ def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, fo
     find_in_package(tmp_path, LOAD, "LCH001")
     path = tmp_path / "car" / folder / "old.launch"
     path.parent.mkdir(exist_ok=True)
-    path.write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}</launch>")
-    assert len(check(tmp_path / "car", codes={"LCH001"}).findings) == count
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/>'
+    path.write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}{node}</launch>")
+    assert len(check(tmp_path / "car", codes={"LCH001", "LCH003"}).findings) == 2 * count
 
 
 ROS2 = "<export><build_type>ament_cmake</build_type></export>"

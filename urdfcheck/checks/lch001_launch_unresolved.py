@@ -66,9 +66,18 @@ def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     for description in launch.descriptions:
         if description.unresolved is not None:
             at = locate_text(description.at, description.file, launch.files)
-            yield from _check_description(context, rule, description, obstacle=description.unresolved, at=at)
+            is_certain = _has_known_conditions(launch, description.at.owner)
+            for finding in _check_description(context, rule, description, obstacle=description.unresolved, at=at):
+                yield finding if is_certain else replace(finding, severity=min(finding.severity, Severity.WARNING))
     for include in launch.broken_includes:
         yield from _check_include(launch, include, rule)
+
+
+def _has_known_conditions(launch: Launch, element: Element) -> bool:
+    """Whether no ``if`` or ``unless`` around an element is decided by the launch only."""
+    root = _find_root(element)
+    scopes = [scope for scope in (launch.scope, *launch.scopes.values()) if scope is not None and scope.root is root]
+    return all(scope.resolver.has_known_conditions(element) for scope in scopes)
 
 
 def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterator[Finding]:

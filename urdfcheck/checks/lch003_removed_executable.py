@@ -69,7 +69,7 @@ _SUCCESSORS = {
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
-    if launch.is_left_from_ros1:  # another name does not make it start
+    if launch.is_left_over:  # another name does not make it start
         return
     successors = _SUCCESSORS.get(launch.dialect, {})
     for node in launch.nodes:

@@ -26,7 +26,7 @@ _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
     launch = context.launch
-    if launch.is_left_from_ros1:  # nothing starts it
+    if launch.is_left_over:  # nothing starts it
         return
     published = _is_published(launch, context.model) if context.model is not None and launch.transforms else False
     model = None if published is False else context.model

@@ -15,8 +15,8 @@ from urdfcheck.source.text.xml import Element
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
-    # One that was left from ROS 1 is a left-over as a whole.
-    if launch.root is None or launch.is_left_from_ros1:
+    # One that nothing starts is a left-over as a whole.
+    if launch.root is None or launch.is_left_over:
         return
     # The SolidWorks exporter writes another node of this name beside the one that is left over.
     is_exported = any(e.tag == "node" and e.get("name") == "tf_footprint_base" for e in launch.root.walk())

@@ -112,6 +112,8 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         plain=problem.suggestion or "",
         repair=f"write `{problem.suggestion}`{', and the others likewise' if len(files) > 1 else ''}"
         if problem.suggestion
+        else "correct the path: no file has this name, and `_` is better than blanks in one"
+        if lost and not exists
         else "rename the file or folder, with `_` instead of blanks, and its paths",
         hint=f" (did you mean {problem.suggestion!r}?)" if problem.suggestion and problem.message == "scheme" else "",
         paths=f"the path {files[0]!r} has" if len(files) == 1 else f"{len(files)} paths have",

@@ -22,6 +22,7 @@ from urdfcheck.source.launch.substitutions import SubstitutionResolver, Unresolv
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
+from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
@@ -117,6 +118,11 @@ class Launch:
             return False
         text = self.files[self.name].text if self.name in self.files else ""
         return is_only_of_ros2(self.package.root) and _ROS1_TEXT.search(text) is not None
+
+    @property
+    def is_left_over(self) -> bool:
+        """Whether nothing starts it: it was left from ROS 1, or is in a folder of files that are kept and not used."""
+        return self.is_left_from_ros1 or (self.package is not None and is_kept_aside(self.path, self.package.path))
 
     @property
     def nodes(self) -> list[Element]:
