@@ -40,7 +40,7 @@ class Policy:
     """Entries of the configuration that suppress findings."""
     unchecked: Severity = Severity.ERROR
     """Severity of the causes for which a model cannot be checked; a warning where that is accepted. Neither `codes`,
-    `severities` nor `suppress` hold for these causes. A cause that leaves the model right is a warning anyway."""
+    `severities` nor `suppress` hold for these causes. A cause that leaves the model right is an info anyway."""
 
     @property
     def accepts_unchecked(self) -> bool:
