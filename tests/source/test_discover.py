@@ -134,6 +134,28 @@ def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path) -> None:
     assert not planned(".").launches
 
 
+@pytest.mark.parametrize("text", ["", "\n", f'<?xml version="1.0"?>\n<!-- {LINK} -->\n<!-- old -->'])
+@pytest.mark.parametrize("name", ["urdf/wheel.xacro", "launch/a.launch", "urdf/r.urdf"])
+def test_a_file_of_a_package_that_holds_nothing_and_is_named_nowhere_is_left_out(
+    workspace: Path, name: str, text: str
+) -> None:
+    write(workspace, {"p/package.xml": manifest("p"), f"p/{name}": text, "p/urdf/kept.urdf": URDF})
+    assert models(".") == ["p/urdf/kept.urdf"]
+    assert [path for path, _ in planned(".").left_out] == [f"p/{name}"]
+    assert not planned(".").launches
+    assert not planned(f"p/{name}").left_out  # it is named
+    write(workspace, {"p/launch/b.launch.py": f"FILE = '{Path(name).name}'"})
+    assert not planned(".").left_out
+
+
+@pytest.mark.parametrize("text", ["", "<!-- a --> -->", "<!-- a", "<robot>"])
+def test_a_file_that_may_have_lost_its_content_is_a_model(workspace: Path, text: str) -> None:
+    """Outside of packages models are handed to programs by hand."""
+    write(workspace, {"p/package.xml": manifest("p"), "p/urdf/kept.urdf": URDF})
+    write(workspace, {f"{'p/urdf/' if text else ''}r.urdf": text})
+    assert len(models(".")) == 2
+
+
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
     write(workspace, {"build/a.urdf": URDF})
     assert models("build") == ["build/a.urdf"]

@@ -20,7 +20,7 @@ from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS, read_package_texts
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.git import list_ignored
 
@@ -188,6 +188,16 @@ class FolderIndex:
         files = [f for f, file in self.files.items() if not file.only_macros and f not in models]
         files += [f for f, file in self.srdfs.items() if f not in models and is_xacro(f) and file.has_parts]
         return tuple(FoundModel(path=path, is_tentative=True, is_part=True) for path in files)
+
+    def is_named(self, path: Path) -> bool:
+        """Whether another file of the folder names this one: a model, a launch file, or a text of a package."""
+        name, own = re.compile(rf"(?<![\w.-]){re.escape(path.name)}(?![\w.-])"), {path, path.absolute()}
+        if self.graph.is_included(self.reals[path]) or any(
+            name.search(file.text) for other, file in self.files.items() if other not in own
+        ):
+            return True
+        tops = [self.path, *self.packages]
+        return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
 
     def may_be_part(self, path: Path) -> bool:
         """Whether another file below the folder includes this one, or may."""

@@ -187,7 +187,9 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
         listed = select_similar_submodules(repositories, [package])
         if listed:
             place = shlex.quote(format_path(file))
-            own = next((name for name, url in repositories.items() if package in {_cut_path(name), _cut_path(url)}), None)
+            own = next(
+                (name for name, url in repositories.items() if package in {_cut_path(name), _cut_path(url)}), None
+            )
             if own is not None:
                 return f"import its repository, which {file.name} lists: `vcs import < {place}`; otherwise {repair}"
             return f"if it is in {join_names(listed, 2)} of {file.name}, import that: `vcs import < {place}`; otherwise {repair}"
