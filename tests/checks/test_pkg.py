@@ -1524,3 +1524,25 @@ def test_a_launch_file_of_ros_1_needs_no_folder(tmp_path: Path, place: str, look
     files = {"package.xml": manifest(AMENT), "urdf/r.urdf": URDF, "config/r.rviz": "", place: launch}
     write(tmp_path, {**files, "CMakeLists.txt": "install(DIRECTORY urdf DESTINATION share/p)\nament_package()\n"})
     assert [f.data["folders"] for f in findings(tmp_path, "PKG008")] == ([["config"]] if told else [])
+
+
+@pytest.mark.parametrize(
+    ("lines", "is_told"),
+    [
+        ("    file = os.path.join(folder, 'config', 'a.yaml')\n    return Node(arguments=[])", False),
+        (
+            "    file = os.path.join(\n        folder,\n        'config', 'a.yaml')\n    return Node(arguments=[])",
+            False,
+        ),
+        ("    file = os.path.join(folder, 'config', 'a.yaml')\n    return Node(parameters=[file])", True),
+        ("    return Node(parameters=[os.path.join(folder, 'config', 'a.yaml')])", True),
+        ("    return Node(\n        parameters=os.path.join(folder, 'config', 'a.yaml'))", True),
+    ],
+)
+def test_a_path_that_is_only_assigned_is_read_by_nothing(tmp_path: Path, lines: str, is_told: bool) -> None:
+    begin = "def generate_launch_description():\n    folder = get_package_share_directory('p')\n"
+    export = "<export><build_type>ament_cmake</build_type></export>"
+    write(tmp_path, {"package.xml": manifest(export), "config/a.yaml": "", "launch/a.launch.py": begin + lines})
+    write(tmp_path, {"CMakeLists.txt": "project(p)\ninstall(DIRECTORY launch DESTINATION share/${PROJECT_NAME})"})
+    write(tmp_path, {"urdf/r.urdf": URDF})
+    assert bool(findings(tmp_path, "PKG008")) == is_told
