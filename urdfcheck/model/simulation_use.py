@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.source.package.package_folders import read_package_texts
-from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.uses_elsewhere import read_project_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # Elements of a robot that only simulators read.
@@ -246,21 +244,8 @@ def _get_place(element: Element) -> tuple[str, int] | None:
 
 @fact
 def _list_project_texts(model: Model) -> tuple[str, ...]:
-    """List the texts of `_read_project_texts` without comments."""
-    return tuple(_drop_comments(text) for text in _read_project_texts(model))
-
-
-def _read_project_texts(model: Model) -> Iterator[str]:
-    """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
-    finder, package = model.source.finder, model.source.package
-    if package is None:
-        yield from read_package_texts(model.source.path.absolute().parent, finder.can_open, deep=False)
-        return
-    yield from read_package_texts(package.path, finder.can_open)
-    for name, folder in sorted(finder.list_workspace_packages().items()):
-        if folder != package.path and has_dependency(folder, package.name):
-            finder.find(name)  # then it counts as found, and its files are in reach
-            yield from read_package_texts(folder, finder.can_open)
+    """List the texts of `read_project_texts` without comments."""
+    return tuple(_drop_comments(text) for text in read_project_texts(model.source))
 
 
 def _drop_comments(text: str) -> str:

@@ -14,6 +14,8 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
+from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -109,6 +111,26 @@ def find_other_includers(source: Source, name: str) -> list[str]:
                 continue
             found += [path.name] if including.search(text) else []
     return sorted(found)
+
+
+def read_project_texts(source: Source) -> Iterator[str]:
+    """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
+    finder, package = source.finder, source.package
+    if package is None:
+        yield from read_package_texts(source.path.absolute().parent, finder.can_open, deep=False)
+        return
+    yield from read_package_texts(package.path, finder.can_open)
+    for name, folder in sorted(finder.list_workspace_packages().items()):
+        if folder != package.path and has_dependency(folder, package.name):
+            finder.find(name)  # then it counts as found, and its files are in reach
+            yield from read_package_texts(folder, finder.can_open)
+
+
+def is_kept_output(source: Source) -> bool:
+    """Whether xacro wrote the model, and no file of its package, or of one that depends on it, names it. False without one."""
+    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    is_kept = source.is_output_of_xacro and source.package is not None
+    return is_kept and not any(map(own.search, read_project_texts(source)))
 
 
 def has_unseen_includes(source: Source) -> bool:
