@@ -116,6 +116,16 @@ def is_named_in_package(model: Model) -> bool:
     return model.source.package is None or any(map(own.search, _list_project_texts(model)))
 
 
+def is_only_displayed(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, publishes the model's own file, and none names a
+    simulator. False without a package."""
+    texts = _list_project_texts(model)
+    if model.source.package is None or any(_GAZEBO.search(text) or _SIMULATOR.search(text) for text in texts):
+        return False
+    own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
+    return any("robot_state_publisher" in text and own.search(text) for text in texts)
+
+
 @fact
 def is_left_out_of_gazebo(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, give other models to Gazebo, and neither they nor one
