@@ -1509,3 +1509,22 @@ def test_a_package_from_elsewhere_may_have_a_release_with_the_prefixes(tmp_path:
     (finding,) = (f for f in run.findings if f.code == "XAC007")
     assert finding.fix is not None
     assert finding.fix.title.endswith("; or use a release of q for ROS Noetic or ROS 2")
+
+
+def test_a_missing_file_that_a_package_of_the_same_name_has(tmp_path: Path) -> None:
+    manifest = "<package><name>{}</name></package>"
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            "a/q/package.xml": manifest.format("q"),
+            "a/q/m.xacro": "<robot/>",
+            "b/q/package.xml": manifest.format("q"),
+            "b/p/package.xml": manifest.format("p"),
+            "b/p/r.urdf.xacro": f'{HEAD}<xacro:include filename="$(find q)/m.xacro"/></robot>',
+        },
+    )
+    (finding,) = (f for f in check(tmp_path, codes={"XAC001"}).findings if f.code == "XAC001")
+    assert "but another package q has it: " in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("keep only the package q with ")

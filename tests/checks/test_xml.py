@@ -1463,3 +1463,27 @@ def test_a_material_of_an_included_file_is_not_to_be_deleted(tmp_path: Path) -> 
     (finding,) = check_text(tmp_path, text, codes={"XML012"}, name="r.urdf.xacro").findings
     assert finding.fix is not None
     assert finding.fix.title == "delete the definition in r.urdf.xacro"
+
+
+def test_two_geometries_may_be_two_shapes(tmp_path: Path) -> None:
+    shapes = '<geometry><sphere radius="1"/></geometry><geometry><box size="1 1 1"/></geometry>'
+    text = f'<robot name="r"><link name="a"><collision>{shapes}</collision></link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML006"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == "delete what is left over; if both are meant, give each its own collision"
+
+
+@pytest.mark.parametrize(
+    ("beside", "repair"),
+    [
+        ("", "move it into the <collision> around it, or delete it"),
+        ('<origin xyz="0 0 1"/>', "delete it: the element around it has its own <origin>"),
+    ],
+)
+def test_an_origin_in_a_geometry_belongs_to_the_shape_around_it(tmp_path: Path, beside: str, repair: str) -> None:
+    shape = f'<collision>{beside}<geometry><origin xyz="0 0 2"/><sphere radius="1"/></geometry></collision>'
+    (finding,) = check_text(
+        tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', codes={"XML003"}
+    ).findings
+    assert finding.fix is not None
+    assert (finding.severity, finding.fix.title) == (Severity.ERROR, repair)

@@ -10,6 +10,7 @@ from conftest import check, check_text
 from urdfcheck.core import Run
 from urdfcheck.output import text
 from urdfcheck.output.json import render as render_json
+from urdfcheck.source.arguments.written_commands import find_written_arguments
 from urdfcheck.source.launch.passed_arguments import find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -353,11 +354,13 @@ def test_commands_in_other_files_of_the_package(
 ) -> None:
     model = make_package(tmp_path, {})
     (model.parents[1] / file).write_text(text)
-    assert list_found(model) == found
+    written = find_written_arguments(model, PackageFinder(model))
+    assert {a.name: (a.value, a.location.span.line if a.location.span else 0) for a in written.values()} == found
 
 
 def test_a_launch_file_comes_before_other_files(tmp_path: Path) -> None:
     param = '<param name="robot_description" command="xacro $(find arm)/urdf/arm.urdf.xacro name:=b"/>'
-    model = make_package(tmp_path, {"a.launch": f"<launch>{param}</launch>"})
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="$(arg name)$(arg type)"/></robot>'
+    model = make_package(tmp_path, {"a.launch": f"<launch>{param}</launch>"}, text)
     (model.parents[1] / "README.md").write_text("xacro urdf/arm.urdf.xacro name:=a type:=c\n")
-    assert {name: value for name, (value, _) in list_found(model).items()} == {"name": "b", "type": "c"}
+    assert check(model).models[0].args == {"name": "b", "type": "c"}

@@ -24,7 +24,7 @@ from urdfcheck.core.text import (
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
-from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
     find_uninstalled_file,
@@ -402,6 +402,10 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
         correction = f"write `$(find {package.name})/{place}` if that is the one, or {_PATH_REPAIR}"
+    twin = None if package is None else _find_in_namesake(failure.source, package, path)
+    if package is not None and twin is not None:
+        near = f", but another package {package.name} has it: {format_path(twin)}"
+        correction = f"keep only the package {package.name} with {format_path(twin)}, or rename one of the two (PKG013)"
     same = next((name for name in beside if name != path.name and name.lower() == path.name.lower()), None)
     if same is not None:
         correction = f"write `{same}`, or rename the file: on Linux a capital letter is another one"
@@ -425,6 +429,14 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _find_in_namesake(source: Source, package: Package, path: Path) -> Path | None:
+    """Return the missing file in another known package of the same name."""
+    inside = os.path.relpath(os.path.normpath(path.absolute()), package.path.absolute())
+    others = source.finder.list_meant(package.name, source.path)
+    files = (folder / inside for folder in others if folder.absolute() != package.path.absolute())
+    return next((file for file in files if source.finder.can_open(file) and file.is_file()), None)
 
 
 def _find_other_start(failure: _ExpansionFailure) -> tuple[Path, str] | None:

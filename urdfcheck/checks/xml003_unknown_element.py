@@ -335,6 +335,9 @@ def _describe_move(parent: str, places: list[Element], homes: list[str], model: 
         return f"delete it: the joint that places the link has its own <{tag}>"
     if len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
         return f"delete it: the {listed} has its own <{tag}>"
+    holding = [_find_around(place, *homes) for place in places]
+    if all(home is not None and home.find_child(tag) is not None for home in holding):
+        return f"delete it: the element around it has its own <{tag}>"
     where = f"the <{around}> around it" if around else _list_choices(held) if held and parent != "geometry" else listed
     return f"move it into {where}{_UNLESS_RIGHT}"
 

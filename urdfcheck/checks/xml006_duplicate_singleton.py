@@ -44,7 +44,9 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         tag=second.tag,
         count="two" if len(same) == 2 else str(len(same)),
         listed=join_names(f"<{shape.tag}>" for shape in same),
-        repair="merge them, for each has what the others lack, or delete what is left over"
+        repair="delete what is left over; if both are meant, give each its own " + element.tag
+        if second.tag == "geometry"
+        else "merge them, for each has what the others lack, or delete what is left over"
         if _can_merge(same)
         else f"delete the wrong <{second.tag}>",
     )

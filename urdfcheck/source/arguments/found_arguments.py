@@ -8,6 +8,7 @@ from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.arguments.usual_environment import choose_variable, find_unset_variable
+from urdfcheck.source.arguments.written_commands import find_written_arguments
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments, may_pass_argument
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
@@ -72,7 +73,8 @@ def _expand_with_passed_arguments(
     plain = FoundExpansion(expand(arguments), arguments, {})
     if not _list_wanted_arguments(plain.expansion.problems):
         return plain
-    passed = find_passed_arguments(path, finder, launches)
+    # What launch files pass comes before the commands in other files.
+    passed = {**find_written_arguments(path, finder), **find_passed_arguments(path, finder, launches)}
     result = _add_passed_arguments(plain, passed, expand)
     if result.expansion.root is None and any(argument.rank >= BESIDE for argument in result.found.values()):
         # What another model is started with makes no model of this one: nothing is to be said of it.

@@ -25,7 +25,6 @@ from urdfcheck.source.launch.python_texts import (
     read_declared_arguments,
 )
 from urdfcheck.source.launch.substitutions import split_command
-from urdfcheck.source.launch.written_commands import find_written_arguments
 from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
@@ -67,8 +66,7 @@ def find_passed_arguments(
 ) -> dict[str, PassedArgument]:
     """Return by name what launch files pass to the arguments of a model.
 
-    These are ``launches``, which are checked with it, then those of its package, then those of the repository around that, and
-    at last the commands in the other files of its package.
+    These are ``launches``, which are checked with it, then those of its package, then those of the repository around that.
     Among each, a typed value comes before a default, and this before a choice; then the first file counts. Where an argument
     of a launch file names the model that it starts, the models beside the default may be started too.
     """
@@ -91,9 +89,6 @@ def find_passed_arguments(
                 if before is None or passed.rank < before.rank:
                     known[passed.name] = passed
         found = {**known, **found}
-    written = {} if package is None else find_written_arguments(model, package.path, finder)
-    for name, (value, location) in written.items():
-        found.setdefault(name, PassedArgument(name=name, value=value, location=location, rank=0))
     return found
 
 

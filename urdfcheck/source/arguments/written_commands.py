@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.source.launch.passed_arguments import PassedArgument
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.xml import SourceFile
@@ -28,11 +29,14 @@ _BORDER_IN_CMAKE = re.compile(r"\)")
 _LONGEST = 1_000
 
 
-def find_written_arguments(model: Path, package: Path, finder: PackageFinder) -> dict[str, tuple[str, Location]]:
-    """Return by name the values that commands in the files of a package pass to a model; of several, the first."""
-    found: dict[str, tuple[str, Location]] = {}
+def find_written_arguments(model: Path, finder: PackageFinder) -> dict[str, PassedArgument]:
+    """Return by name what commands in the files of a model's package pass to its arguments; of several values, the first."""
+    found: dict[str, PassedArgument] = {}
+    package = finder.find_package_of(model.absolute())
+    if package is None:
+        return found
     name = re.compile(rf"(?<![\w.-]){re.escape(model.name)}(?![\w.-])")
-    for path in islice(_iter_files(package, finder), _MOST_FILES):
+    for path in islice(_iter_files(package.path, finder), _MOST_FILES):
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
@@ -48,7 +52,7 @@ def find_written_arguments(model: Path, package: Path, finder: PackageFinder) ->
             for assigned in _ASSIGNED.finditer(text, match.end(), last):
                 value = next(group for group in assigned.groups()[1:] if group is not None)
                 place = Location(f"argument[{assigned[1]}]", file.make_span(*assigned.span()))
-                found.setdefault(assigned[1], (value, place))
+                found.setdefault(assigned[1], PassedArgument(name=assigned[1], value=value, location=place, rank=0))
     return found
 
 
