@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
@@ -42,6 +43,8 @@ _START_OPTION = re.compile(r"(?<![\w-])-J\b")
 _SDF = re.compile(r"\w\.sdf\b")
 _SPAWNS_FILE = re.compile(r"(?<![\w-])-file\b")
 _SPAWNS_DESCRIPTION = re.compile(r"(?<![\w-])-(?:topic|param|string|urdf)\b")
+# A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
+_FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
@@ -124,6 +127,17 @@ def is_only_displayed(model: Model) -> bool:
         return False
     own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
     return any("robot_state_publisher" in text and own.search(text) for text in texts)
+
+
+def find_attaching_program(model: Model, links: Iterable[str]) -> str | None:
+    """Return the program to which a file of the model's package, or of one that depends on it, hands the model's own file with
+    the names of these links: one for fragments, which it attaches to a robot that runs. None if there is none."""
+    names = [re.compile(rf"(?<![\w.-]){re.escape(name)}(?![\w.-])") for name in (model.source.path.name, *links)]
+    for text in _list_project_texts(model):
+        program = _FRAGMENT_PROGRAM.search(text)
+        if program is not None and all(name.search(text) for name in names):
+            return program[0]
+    return None
 
 
 @fact
