@@ -156,6 +156,31 @@ def test_a_file_that_may_have_lost_its_content_is_a_model(workspace: Path, text:
     assert len(models(".")) == 2
 
 
+@pytest.mark.parametrize(
+    ("files", "is_test_data"),
+    [
+        ({}, True),
+        ({"p/test/a.test.py": "open('r.urdf')"}, True),
+        ({"p/launch/a.launch.py": "get('p') + '/test/data/r.urdf'"}, False),
+        ({"p/launch/a.launch": '<launch><param name="d" textfile="$(find p)/test/data/r.urdf"/></launch>'}, False),
+        ({"p/urdf/big.xacro": xacro(LINK + include("../test/data/r.urdf"))}, False),
+        ({"p/test/big.xacro": xacro(LINK + include("data/r.urdf"))}, True),
+        ({"p/test/package.xml": manifest("test")}, False),
+        ({"p/test/package.xml": manifest("p_test")}, True),
+    ],
+)
+def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str], is_test_data: bool) -> None:
+    write(workspace, {"p/package.xml": manifest("p"), "p/test/data/r.urdf": URDF, "p/urdf/q.urdf": URDF, **files})
+    plan = planned(".")
+    found = {t.path.as_posix(): t.is_test_data for t in (*plan.models, *plan.candidates)}
+    assert found["p/test/data/r.urdf"] == is_test_data
+    assert not found["p/urdf/q.urdf"]
+    for given in ("p/test/data", "p/test/data/r.urdf"):
+        assert not any(target.is_test_data for target in planned(given).models)
+    both = planned(".", "p/test/data/r.urdf").models
+    assert not [target for target in both if target.is_test_data and target.path.name == "r.urdf"]
+
+
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
     write(workspace, {"build/a.urdf": URDF})
     assert models("build") == ["build/a.urdf"]

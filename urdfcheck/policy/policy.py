@@ -26,6 +26,8 @@ class Policy:
     """Codes of rules that are selected only where their notes are asked for: to look for these takes long."""
     pedantic: bool = False
     """Whether notes that are warnings for a pedantic reader are warnings (`Rule.pedantic`)."""
+    is_for_tests: bool = False
+    """Whether the model is data of tests: of these, only errors are reported that hold wherever the file is read."""
     kinematics_only: bool = False
     """Whether findings about masses, inertias and forces alone are left out (`Rule.dynamics`)."""
     tier: str = "full"

@@ -193,7 +193,7 @@ class _Planner:
         passed_over = {**_find_dead_files(folder, launches), **_find_templates(folder, launches)}
         for found in folder.found_models:
             if found.path not in passed_over:
-                self.add_found_model(found)
+                self.add_found_model(found, is_test_data=folder.is_test_data(found.path))
         for candidate in folder.candidates:
             if candidate.path not in passed_over:
                 self.add_found_model(candidate, is_spare=True)
@@ -221,7 +221,7 @@ class _Planner:
             if resolve_path(path) not in self.models and self.is_usable(path, named=False):
                 self.left_out.append((format_path(path), f"left out{reason}; name it to check it"))
 
-    def add_found_model(self, found: FoundModel, *, is_spare: bool = False) -> None:
+    def add_found_model(self, found: FoundModel, *, is_spare: bool = False, is_test_data: bool = False) -> None:
         """Add a file that was found in a folder."""
         if self.is_usable(found.path, named=False):
             self.add_model(
@@ -231,6 +231,7 @@ class _Planner:
                     tentative=found.is_tentative,
                     is_part=found.is_part,
                     is_spare=is_spare,
+                    is_test_data=is_test_data,
                 )
             )
 
@@ -370,7 +371,8 @@ class _Planner:
         entries = [model for model in configured if resolve_path(model.path) == real]
         for entry in entries:
             name = "" if self.arguments else entry.name or ""  # with other arguments it is another model
-            self.add_target(replace(target, arguments={**entry.arguments, **self.arguments}, name=name))
+            arguments = {**entry.arguments, **self.arguments}
+            self.add_target(replace(target, arguments=arguments, name=name, is_test_data=False))
         if not entries:
             self.add_target(target)
 
