@@ -75,7 +75,12 @@ def test_a_loop_is_lost_only_if_the_tree_does_not_lead_into_it(tmp_path: Path, t
     ("root", "links", "named", "repair"),
     [
         ('<robot name="r"', "camera", "base", "include camera.xacro from the robot that has base;"),
-        ('<robot name="r"', "camera", "trunk", "no other robot file here names base: write the link of the robot"),
+        (
+            '<robot name="r"',
+            "camera",
+            "trunk",
+            "no other robot file here names base: hand the file to a robot that has base,",
+        ),
         (
             '<robot name="r"',
             "camera table",
@@ -650,6 +655,33 @@ def test_a_part_of_another_model_of_the_robot_is_no_error(
     ):
         (tmp_path / "laser.urdf").write_text(other, encoding="utf-8")
         assert "fragment" not in {f.message_id for f in check(tmp_path / "laser.urdf", codes={"KIN002"}).findings}
+
+
+@pytest.mark.parametrize(
+    ("program", "words", "message"),
+    [
+        ("send_urdf_fragment.py", "-l hand -j gripper", "attached"),
+        ("send_urdf_fragment.py", "-l other", "unknown"),
+        ("spawn_model", "-l hand", "unknown"),
+    ],
+)
+@pytest.mark.parametrize("name", ["gripper.urdf", "gripper.urdf.xacro"])
+def test_a_file_that_a_program_attaches_to_a_robot_is_a_part(
+    tmp_path: Path, name: str, program: str, words: str, message: str
+) -> None:
+    node = f'<node name="n" pkg="q" type="{program}" args="-f $(find car)/{name} {words}"/>'
+    joint = '<joint name="j" type="fixed"><parent link="hand"/><child link="gripper"/></joint>'
+    for path, text in {
+        "package.xml": '<package format="3"><name>car</name></package>',
+        "a.launch": f"<launch>{node}</launch>",
+        name: f'<robot name="g"><link name="gripper"/>{joint}</robot>',
+    }.items():
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / name, codes={"KIN002"}).findings
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert "delete" not in finding.fix.title
+    assert finding.severity == (Severity.INFO if message == "attached" else Severity.ERROR)
 
 
 @pytest.mark.parametrize(

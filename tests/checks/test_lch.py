@@ -653,7 +653,7 @@ def test_a_line_is_deleted_with_its_line_break_and_nothing_else(tmp_path: Path) 
         ("joint_state_publisher", ["delete the line; start joint_state_publisher_gui if you want sliders"]),
         (
             "joint_state_publisher joint_state_publisher_gui",
-            ["delete the line; the file starts joint_state_publisher_gui, which has the sliders"],
+            ["delete the line; the launch file starts joint_state_publisher_gui, which has the sliders"],
         ),
     ],
 )
@@ -663,6 +663,15 @@ def test_a_parameter_of_joint_state_publisher_matters_where_that_is_started(
     body = "".join(f'<node name="n" pkg="{name}" type="{name}"/>' for name in nodes.split())
     found = find_in_launch(tmp_path, f'<param name="use_gui" value="1"/>{body}', "LCH007")
     assert [finding.fix.title for finding in found if finding.fix is not None] == repairs
+
+
+@pytest.mark.parametrize(("inner", "is_reported"), [("joint_state_publisher", True), ("rviz", False)])
+def test_the_file_that_starts_it_may_be_included(tmp_path: Path, inner: str, is_reported: bool) -> None:
+    other = f'<launch><node name="n" pkg="{inner}" type="{inner}"/></launch>'
+    (tmp_path / "b.launch").write_text(other, encoding="utf-8")
+    body = '<param name="use_gui" value="1"/><include file="$(dirname)/b.launch"/>'
+    body += '<include file="$(find gazebo_ros)/launch/empty_world.launch"/>'
+    assert bool(find_in_launch(tmp_path, body, "LCH007")) == is_reported
 
 
 @pytest.mark.parametrize(("other", "exported"), [("tf_footprint_base", True), ("controllers", False)])

@@ -410,14 +410,25 @@ CLASSIC_HARDWARE = (
 )
 
 
-def test_ros_2_cannot_load_the_control_of_ros_1_in_classic_either(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ("Node(package='gazebo_ros')", Severity.WARNING),
+        ("Node(package='robot_state_publisher'); open('r.urdf')", Severity.INFO),
+        ("Node(package='robot_state_publisher'); open('q.urdf')", Severity.WARNING),
+        ("Node(package='robot_state_publisher'); open('r.urdf'); Node(package='gazebo_ros')", Severity.WARNING),
+    ],
+)
+def test_ros_2_cannot_load_the_control_of_ros_1_in_classic_either(
+    tmp_path: Path, launch: str, severity: Severity
+) -> None:
     files = {
         "package.xml": MANIFEST.format(AMENT),
-        "launch/go.launch.py": "Node(package='gazebo_ros')",
+        "launch/go.launch.py": launch,
         "urdf/r.urdf": robot(link("base"), PLUGIN),
     }
     (finding,) = find(tmp_path, files, "GZB002", name="urdf/r.urdf")
-    assert finding.severity == Severity.WARNING
+    assert finding.severity == severity
 
 
 @pytest.mark.parametrize("body", [CLASSIC_DRIVE, CLASSIC_HARDWARE])

@@ -10,7 +10,7 @@ import pytest
 from builders import arm_on_base, box, collision, inertial, joint, link, robot, sphere, visual
 from conftest import check, command
 
-from urdfcheck.core import Severity, Verdict
+from urdfcheck.core import Severity, SkippedCheck, Verdict
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.policy.consumers import CONSUMERS, get_verdict
 from urdfcheck.policy.on_request import find_postponed, split_unrequested
@@ -248,3 +248,32 @@ def test_a_page_names_messages_that_exist(tmp_path: Path) -> None:
     (tmp_path / "MSH002-not-watertight.md").write_text(page)
     with pytest.raises(UrdfcheckError, match="no message 'drawm'"):
         load_page(tmp_path / "MSH002-not-watertight.md")
+
+
+@pytest.mark.parametrize(
+    ("options", "config", "severity"),
+    [
+        ([], "", None),
+        (["-v"], "", "info"),
+        (["--select", "PKG004"], "", "info"),
+        ([], 'severity = { PKG004 = "warning" }', "warning"),
+        (["--pedantic"], "", "error"),
+    ],
+)
+def test_of_test_data_only_errors_are_reported(
+    tmp_path: Path, options: list[str], config: str, severity: str | None
+) -> None:
+    mesh = '<visual><geometry><mesh filename="/home/ann/a.stl"/></geometry></visual>'
+    text = robot(link("base", inertial(1, 0.1)), link("arm", inertial(-1, 0.1), mesh), joint("j", "base", "arm"))
+    (tmp_path / "tests").mkdir()
+    (tmp_path / "tests/r.urdf").write_text(text, encoding="utf-8")
+    (tmp_path / "urdfcheck.toml").write_text(config, encoding="utf-8")
+    common = ("--format", "json", "--tier", "source", *options)
+    run = json.loads(command(".", *common, cwd=tmp_path).stdout)
+    found = {f["code"]: f["severity"] for f in run["findings"]}
+    assert ("INR002" in found) == ("--select" not in options)
+    assert found.get("PKG004") == severity
+    notes = [skip["reason"] for skip in run["skipped"] if skip["code"] == SkippedCheck.WARNINGS]
+    assert bool(notes) == (not options and not config)
+    named = json.loads(command("tests/r.urdf", *common, cwd=tmp_path).stdout)["findings"]
+    assert {f["severity"] for f in named if f["code"] == "PKG004"} == {"warning" if config else "error"}

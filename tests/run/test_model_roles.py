@@ -394,6 +394,17 @@ def test_a_part_with_a_name_that_cannot_be_expanded_is_a_model_that_was_not_chec
     assert (list_errors(run), [m.path for m in run.models]) == ([], ["car.urdf.xacro"])
 
 
+def test_a_condition_that_leaves_a_part_out_is_named(package: Path) -> None:
+    part = xacro('<link name="${prefix}camera"/>', ' name="camera"')
+    taken = '<xacro:arg name="cam" default="false"/><xacro:property name="prefix" value="a_"/>'
+    taken += f'<xacro:if value="$(arg cam)">{include("part.xacro")}{joint("base", "a_camera")}</xacro:if>'
+    write(package, {"car.urdf.xacro": xacro('<link name="base"/>' + taken), "part.xacro": part})
+    (finding,) = check(Path("."), codes={"XML002"}).findings
+    assert finding.message_id == "part-of-variant"
+    assert 'car.urdf.xacro includes it under `<xacro:if value="$(arg cam)">`' in finding.message
+    assert not check(Path("."), all_arguments=True).unchecked_models
+
+
 def test_a_part_of_a_model_that_failed_is_no_second_model(package: Path) -> None:
     """The model stopped before it came to its parts; where it is accepted, they count."""
     files = {

@@ -134,6 +134,53 @@ def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path) -> None:
     assert not planned(".").launches
 
 
+@pytest.mark.parametrize("text", ["", "\n", f'<?xml version="1.0"?>\n<!-- {LINK} -->\n<!-- old -->'])
+@pytest.mark.parametrize("name", ["urdf/wheel.xacro", "launch/a.launch", "urdf/r.urdf"])
+def test_a_file_of_a_package_that_holds_nothing_and_is_named_nowhere_is_left_out(
+    workspace: Path, name: str, text: str
+) -> None:
+    write(workspace, {"p/package.xml": manifest("p"), f"p/{name}": text, "p/urdf/kept.urdf": URDF})
+    assert models(".") == ["p/urdf/kept.urdf"]
+    assert [path for path, _ in planned(".").left_out] == [f"p/{name}"]
+    assert not planned(".").launches
+    assert not planned(f"p/{name}").left_out  # it is named
+    write(workspace, {"p/launch/b.launch.py": f"FILE = '{Path(name).name}'"})
+    assert not planned(".").left_out
+
+
+@pytest.mark.parametrize("text", ["", "<!-- a --> -->", "<!-- a", "<robot>"])
+def test_a_file_that_may_have_lost_its_content_is_a_model(workspace: Path, text: str) -> None:
+    """Outside of packages models are handed to programs by hand."""
+    write(workspace, {"p/package.xml": manifest("p"), "p/urdf/kept.urdf": URDF})
+    write(workspace, {f"{'p/urdf/' if text else ''}r.urdf": text})
+    assert len(models(".")) == 2
+
+
+@pytest.mark.parametrize(
+    ("files", "is_test_data"),
+    [
+        ({}, True),
+        ({"p/test/a.test.py": "open('r.urdf')"}, True),
+        ({"p/launch/a.launch.py": "get('p') + '/test/data/r.urdf'"}, False),
+        ({"p/launch/a.launch": '<launch><param name="d" textfile="$(find p)/test/data/r.urdf"/></launch>'}, False),
+        ({"p/urdf/big.xacro": xacro(LINK + include("../test/data/r.urdf"))}, False),
+        ({"p/test/big.xacro": xacro(LINK + include("data/r.urdf"))}, True),
+        ({"p/test/package.xml": manifest("test")}, False),
+        ({"p/test/package.xml": manifest("p_test")}, True),
+    ],
+)
+def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str], is_test_data: bool) -> None:
+    write(workspace, {"p/package.xml": manifest("p"), "p/test/data/r.urdf": URDF, "p/urdf/q.urdf": URDF, **files})
+    plan = planned(".")
+    found = {t.path.as_posix(): t.is_test_data for t in (*plan.models, *plan.candidates)}
+    assert found["p/test/data/r.urdf"] == is_test_data
+    assert not found["p/urdf/q.urdf"]
+    for given in ("p/test/data", "p/test/data/r.urdf"):
+        assert not any(target.is_test_data for target in planned(given).models)
+    both = planned(".", "p/test/data/r.urdf").models
+    assert not [target for target in both if target.is_test_data and target.path.name == "r.urdf"]
+
+
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
     write(workspace, {"build/a.urdf": URDF})
     assert models("build") == ["build/a.urdf"]

@@ -10,7 +10,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_only_near_name, format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
-from urdfcheck.model.simulation_use import has_successor_branch, names_successor, starts_classic
+from urdfcheck.model.simulation_use import has_successor_branch, is_only_displayed, names_successor, starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -107,7 +107,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if not _CLASSIC_REPLACEMENTS.keys().isdisjoint(old) and starts_classic(model)
             else _describe_replacements(plugins, _list_new_systems(gazebo))
         )
-        severity = None if old or _is_for_successor(model) else Severity.INFO
+        is_missed = (bool(old) and not is_only_displayed(model)) or _is_for_successor(model)
+        severity = None if is_missed else Severity.INFO
         yield _build_plugin_finding(rule, plugins, old, related=related, severity=severity, replacement=replacement)
     if _SUCCEEDED not in plugins:
         for control, plugin in hardware:

@@ -12,7 +12,7 @@ from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
-from urdfcheck.model.simulation_use import is_named_in_package
+from urdfcheck.model.simulation_use import find_attaching_program, is_named_in_package
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 
@@ -20,10 +20,10 @@ _ADDING = 'add `<link name="{called}"/>`, or {naming}'
 # Beside a root, the link alone would be a second one.
 _CARRYING = '{naming}, or add `<link name="{called}"/>` and the joint that carries it'
 _ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
-# Where no other file names the link, its robot is not known.
+# Where no other file names the link, its robot is not known: it may be of another repository, or be put together by a program.
 _LEFT_OVER = (
-    "no other robot file here names {called}: write the link of the robot that includes {file}, or delete the file if it is left "
-    'over; to load it alone, add `<link name="{called}"/>` there'
+    "no other robot file here names {called}: hand the file to a robot that has {called}, or correct the name; to load it alone, "
+    'add `<link name="{called}"/>` there'
 )
 
 # Drake has a body of this name, which a file need not declare.
@@ -50,7 +50,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _build_fragment_finding(
     rule: Rule, model: Model, graph: KinematicGraph, unknown: Mapping[str, list[tuple[Joint, Attribute]]]
 ) -> Finding | None:
-    """Report a file whose unknown links are all parents that another model of the same robot has; None if it is not one."""
+    """Report a file whose unknown links are all parents that another model of the same robot has, or to which a program attaches
+    it; None if it is not one."""
     attributes = [attribute for places in unknown.values() for _, attribute in places]
     is_attached = all(a.owner.tag == "parent" and graph.guess_link("parent", a.value) is None for a in attributes)
     if not (attributes and is_attached) or _has_root(model, graph):
@@ -58,16 +59,17 @@ def _build_fragment_finding(
     from urdfcheck.model.likeness.whole_models import find_whole_model  # loaded only for such a file
 
     whole = find_whole_model(model, unknown.keys())
-    if whole is None:
+    program = find_attaching_program(model, unknown) if whole is None else None
+    if whole is None and program is None:
         return None
     finding = rule.finding(
-        "fragment",
+        "attached" if whole is None else "fragment",
         at=attributes[0],
         related=[a.location for a in attributes[1:10]],
         severity=Severity.INFO,
         robot=spell_breaks(model.robot.get("name")),
         links=join_names(map(spell_breaks, unknown), 3),
-        file=format_path(whole),
+        file=program if whole is None else format_path(whole),
     )
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
@@ -97,7 +99,9 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         # What a xacro file without a root or without a name hangs on is in the file that includes it.
         is_part = model.source.is_xacro and not is_child and (not has_root or "name" not in model.robot.attributes)
         alone = _CARRYING if has_root and not is_child else _ADDING
-        template = _choose_attachment(model, called) if is_part else alone
+        # To hang a robot without a root on one of its own links would close a loop.
+        hangs = is_part or (not has_root and not is_child)
+        template = _choose_attachment(model, called) if hangs else alone
         file, naming = Path(model.source.name).name, _describe_naming(attributes[0])
         data["repair"] = template.format(called=data["called"], file=file, naming=naming)
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.

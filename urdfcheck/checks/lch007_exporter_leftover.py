@@ -20,17 +20,18 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
         return
     # The SolidWorks exporter writes another node of this name beside the one that is left over.
     is_exported = any(e.tag == "node" and e.get("name") == "tf_footprint_base" for e in launch.root.walk())
-    started = {e.get("pkg") for e in launch.root.walk() if e.tag == "node"}
-    # An included file may start it.
-    may_publish = "joint_state_publisher" in started or any(e.tag == "include" for e in launch.root.walk())
+    # An included file may start it, one in a package that is not here hardly: those of Gazebo do not.
+    roots = [launch.root, *(scope.root for scope in launch.scopes.values())]
+    started = {e.get("pkg") for root in roots for e in root.walk() if e.tag == "node"}
+    publishes = "joint_state_publisher" in started
     sliders = (
-        "the file starts joint_state_publisher_gui, which has the sliders"
+        "the launch file starts joint_state_publisher_gui, which has the sliders"
         if "joint_state_publisher_gui" in started
         else "start joint_state_publisher_gui if you want sliders"
     )
     for element in launch.root.walk():
         message = _classify_leftover(element)
-        if message == "use-gui" and (not may_publish or is_only_before_noetic(launch.finder)):
+        if message == "use-gui" and (not publishes or is_only_before_noetic(launch.finder)):
             continue
         if message is not None:
             data: dict[str, Any] = {"sliders": sliders} if message == "use-gui" else {}

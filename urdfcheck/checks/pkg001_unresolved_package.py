@@ -145,9 +145,9 @@ def _build_finding(
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:
     """Return the severity of a message; None for that of the rule."""
-    if message in {"files-declared", "files-recorded", "rosbuild"}:
+    if message in {"files-declared", "files-recorded", "rosbuild", "expansion-declared"}:
         return Severity.INFO
-    return Severity.WARNING if is_outside or message in {"expansion-declared", "files-released"} else None
+    return Severity.WARNING if is_outside or message == "files-released" else None
 
 
 def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:

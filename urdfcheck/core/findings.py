@@ -278,7 +278,9 @@ class SkippedCheck:
     """What the reason of a check begins with that takes more than was to be computed."""
     LAUNCHED_MODEL: ClassVar[str] = "model"
     """What takes the place of a rule's code where a launch file was checked without the model that it loads."""
-    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL})
+    WARNINGS: ClassVar[str] = "the list of warnings"
+    """What takes that place where only the errors of a model are reported."""
+    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL, WARNINGS})
     """What takes that place where something was not checked by any rule."""
 
     code: str

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.source.package.package_folders import read_package_texts
-from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.uses_elsewhere import read_project_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # Elements of a robot that only simulators read.
@@ -50,6 +49,8 @@ _START_OPTION = re.compile(r"(?<![\w-])-J\b")
 _SDF = re.compile(r"\w\.sdf\b")
 _SPAWNS_FILE = re.compile(r"(?<![\w-])-file\b")
 _SPAWNS_DESCRIPTION = re.compile(r"(?<![\w-])-(?:topic|param|string|urdf)\b")
+# A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
+_FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
@@ -122,6 +123,27 @@ def is_named_in_package(model: Model) -> bool:
     """Whether a file of the model's package, or of one that depends on it, names the model's own file. True without a package."""
     own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
     return model.source.package is None or any(map(own.search, _list_project_texts(model)))
+
+
+def is_only_displayed(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, publishes the model's own file, and none names a
+    simulator. False without a package."""
+    texts = _list_project_texts(model)
+    if model.source.package is None or any(_GAZEBO.search(text) or _SIMULATOR.search(text) for text in texts):
+        return False
+    own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
+    return any("robot_state_publisher" in text and own.search(text) for text in texts)
+
+
+def find_attaching_program(model: Model, links: Iterable[str]) -> str | None:
+    """Return the program to which a file of the model's package, or of one that depends on it, hands the model's own file with
+    the names of these links: one for fragments, which it attaches to a robot that runs. None if there is none."""
+    names = [re.compile(rf"(?<![\w.-]){re.escape(name)}(?![\w.-])") for name in (model.source.path.name, *links)]
+    for text in _list_project_texts(model):
+        program = _FRAGMENT_PROGRAM.search(text)
+        if program is not None and all(name.search(text) for name in names):
+            return program[0]
+    return None
 
 
 @fact
@@ -278,21 +300,8 @@ def _get_place(element: Element) -> tuple[str, int] | None:
 
 @fact
 def _list_project_texts(model: Model) -> tuple[str, ...]:
-    """List the texts of `_read_project_texts` without comments."""
-    return tuple(_drop_comments(text) for text in _read_project_texts(model))
-
-
-def _read_project_texts(model: Model) -> Iterator[str]:
-    """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
-    finder, package = model.source.finder, model.source.package
-    if package is None:
-        yield from read_package_texts(model.source.path.absolute().parent, finder.can_open, deep=False)
-        return
-    yield from read_package_texts(package.path, finder.can_open)
-    for name, folder in sorted(finder.list_workspace_packages().items()):
-        if folder != package.path and has_dependency(folder, package.name):
-            finder.find(name)  # then it counts as found, and its files are in reach
-            yield from read_package_texts(folder, finder.can_open)
+    """List the texts of `read_project_texts` without comments."""
+    return tuple(_drop_comments(text) for text in read_project_texts(model.source))
 
 
 def _drop_comments(text: str) -> str:

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity, Verdict
 from urdfcheck.policy.consumers import get_verdict, is_news
+
+# Rules about paths that lead nowhere on another machine.
+_OF_ONE_MACHINE = frozenset({"PKG004"})
 
 
 def split_unrequested(
@@ -28,6 +33,25 @@ def split_unrequested(
             or any(_matters_to(target, finding, rules[finding.code]) for target in targets)
         )
         (reported if is_wanted else left_out).append(finding)
+    return reported, left_out
+
+
+def split_for_tests(
+    findings: Iterable[Finding], *, unrequested: frozenset[str], graded: AbstractSet[str]
+) -> tuple[list[Finding], list[Finding]]:
+    """Do the same for the findings of a model that is data of tests, of which all but errors are notes on request.
+
+    So are errors that only another machine meets: the tests run where the file is. ``graded``: codes whose severity is given.
+    """
+    reported: list[Finding] = []
+    left_out: list[Finding] = []
+    for finding in findings:
+        is_error = finding.severity == Severity.ERROR and finding.code not in _OF_ONE_MACHINE
+        if is_error or finding.suppressed is not None or finding.blocks_check or finding.code in graded:
+            reported.append(finding)
+        else:
+            note = replace(finding, severity=min(finding.severity, Severity.INFO))
+            (left_out if finding.code in unrequested else reported).append(note)
     return reported, left_out
 
 

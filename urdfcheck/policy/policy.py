@@ -26,6 +26,8 @@ class Policy:
     """Codes of rules that are selected only where their notes are asked for: to look for these takes long."""
     pedantic: bool = False
     """Whether notes that are warnings for a pedantic reader are warnings (`Rule.pedantic`)."""
+    is_for_tests: bool = False
+    """Whether the model is data of tests: of these, only errors are reported that hold wherever the file is read."""
     kinematics_only: bool = False
     """Whether findings about masses, inertias and forces alone are left out (`Rule.dynamics`)."""
     tier: str = "full"
@@ -40,7 +42,7 @@ class Policy:
     """Entries of the configuration that suppress findings."""
     unchecked: Severity = Severity.ERROR
     """Severity of the causes for which a model cannot be checked; a warning where that is accepted. Neither `codes`,
-    `severities` nor `suppress` hold for these causes. A cause that leaves the model right is a warning anyway."""
+    `severities` nor `suppress` hold for these causes. A cause that leaves the model right is an info anyway."""
 
     @property
     def accepts_unchecked(self) -> bool:

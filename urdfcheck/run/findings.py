@@ -22,7 +22,12 @@ from urdfcheck.core.text import format_count
 from urdfcheck.model.gazebo import is_held_still
 from urdfcheck.policy.consumers import apply_severity_policy
 from urdfcheck.policy.fix_safety import lead_to_xacro, mark_unsafe_across_models, mark_unsafe_in_model
-from urdfcheck.policy.on_request import leave_out_dynamics, leave_out_unfelt_dynamics, split_unrequested
+from urdfcheck.policy.on_request import (
+    leave_out_dynamics,
+    leave_out_unfelt_dynamics,
+    split_for_tests,
+    split_unrequested,
+)
 from urdfcheck.policy.policy import Policy
 from urdfcheck.policy.report_limits import MAX_FINDINGS_SIZE, limit_number, limit_size, truncate_texts
 from urdfcheck.policy.superseding import drop_superseded, join_explained, list_held_back
@@ -59,6 +64,10 @@ class FinalFindings:
     """Bytes that they take."""
     unlisted: tuple[SkippedCheck, ...]
     """Rules of which more findings were reported than the report lists."""
+
+
+# What a report says of models that are data of tests.
+_FOR_TESTS = "of test data only errors are reported; name the file to have all"
 
 
 def finalize_unit_findings(
@@ -107,6 +116,8 @@ def finalize_unit_findings(
         for finding in remaining
         for code in list_held_back(finding)
     ]
+    if policy.is_for_tests and unrequested:
+        skips.append(SkippedCheck(SkippedCheck.WARNINGS, unit.id, _FOR_TESTS, is_partial=True))
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)
     skips += explain_left_out(
         unit.id, listed, small, f"those of one model take more than {MAX_FINDINGS_SIZE // 1024**2} MiB"
@@ -205,6 +216,8 @@ def _split_unrequested(
     findings: Iterable[Finding], rules: Mapping[str, Rule], policy: Policy
 ) -> tuple[list[Finding], list[Finding]]:
     unasked = frozenset() if policy.pedantic else policy.unrequested
+    if policy.is_for_tests and not policy.pedantic:
+        return split_for_tests(findings, unrequested=unasked, graded=policy.severities.keys())
     return split_unrequested(findings, rules, unrequested=unasked, targets=policy.targets)
 
 

@@ -218,7 +218,17 @@ class _UnitAudit:
             return
         root = source.root if source.root is not None else source.main_tree
         at = locate_unit(self.unit) if root is None else root
-        finding = load_rules()["XML002"].finding("part", at=at, reason=self.role.reason)
+        # Few files are parts that nothing includes.
+        from urdfcheck.core.text import spell_breaks
+        from urdfcheck.source.uses_elsewhere import find_conditional_include
+
+        rule, reason = load_rules()["XML002"], self.role.reason
+        included = find_conditional_include(source)
+        if included is None:
+            finding = rule.finding("part", at=at, reason=reason)
+        else:
+            user, condition = format_path(included[0]), spell_breaks(included[1])
+            finding = rule.finding("part-of-variant", at=at, reason=reason, user=user, condition=condition)
         self.findings.append(mark_cause(replace(finding, model=self.unit.id), self.policy))
 
     def report_causes(self, source: Source) -> None:

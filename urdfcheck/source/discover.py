@@ -14,7 +14,7 @@ from pathlib import Path
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.text import truncate_text
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
-from urdfcheck.source.model_file import find_placeholder
+from urdfcheck.source.model_file import find_placeholder, is_blank
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
     find_other_format,
@@ -189,20 +189,21 @@ class _Planner:
     def add_folder(self, path: Path) -> None:
         folder = self.get_folder(path)
         self.given_folders.append(resolve_path(path))
-        templates = _find_templates(folder)
+        launches = {launch: _read_text(launch) for launch in folder.launches if launch.suffix != ".py"}
+        passed_over = {**_find_dead_files(folder, launches), **_find_templates(folder, launches)}
         for found in folder.found_models:
-            if found.path not in templates:
-                self.add_found_model(found)
+            if found.path not in passed_over:
+                self.add_found_model(found, is_test_data=folder.is_test_data(found.path))
         for candidate in folder.candidates:
-            if candidate.path not in templates:
+            if candidate.path not in passed_over:
                 self.add_found_model(candidate, is_spare=True)
         for launch in folder.launches:
-            if launch not in templates and self.is_usable(launch, named=False):
+            if launch not in passed_over and self.is_usable(launch, named=False):
                 self.add_launch(launch)
         for model in self.list_configured_models(folder):
             if resolve_path(model) not in self.models:
                 self.add_model(ModelTarget(path=model, arguments=self.arguments))
-        self.leave_out_templates(templates)
+        self.pass_over(passed_over)
         self.unused += [(format_path(link), OUT_OF_REACH) for link in sorted(folder.outside)]
         for marked in sorted(folder.marked):
             for place, mark in list_left_out_packages(marked, folder.finder.can_open):
@@ -214,15 +215,13 @@ class _Planner:
         macro_files = (path for path, file in folder.files.items() if file.defines_macros)
         self.macro_files.update(dict.fromkeys(path for path in macro_files if self.is_usable(path, named=False)))
 
-    def leave_out_templates(self, templates: Mapping[Path, str]) -> None:
-        """Say that the templates of a folder are left out, but for those that a launch file or the configuration names."""
-        for path, placeholder in templates.items():
+    def pass_over(self, files: Mapping[Path, str]) -> None:
+        """Say why files of a folder are left out, but for those that a launch file or the configuration names."""
+        for path, reason in files.items():
             if resolve_path(path) not in self.models and self.is_usable(path, named=False):
-                filled = truncate_text(placeholder, _LONGEST_SHOWN)
-                reason = f"left out as a template, in which {filled} is filled in; name it to check it"
-                self.left_out.append((format_path(path), reason))
+                self.left_out.append((format_path(path), f"left out{reason}; name it to check it"))
 
-    def add_found_model(self, found: FoundModel, *, is_spare: bool = False) -> None:
+    def add_found_model(self, found: FoundModel, *, is_spare: bool = False, is_test_data: bool = False) -> None:
         """Add a file that was found in a folder."""
         if self.is_usable(found.path, named=False):
             self.add_model(
@@ -232,6 +231,7 @@ class _Planner:
                     tentative=found.is_tentative,
                     is_part=found.is_part,
                     is_spare=is_spare,
+                    is_test_data=is_test_data,
                 )
             )
 
@@ -371,7 +371,8 @@ class _Planner:
         entries = [model for model in configured if resolve_path(model.path) == real]
         for entry in entries:
             name = "" if self.arguments else entry.name or ""  # with other arguments it is another model
-            self.add_target(replace(target, arguments={**entry.arguments, **self.arguments}, name=name))
+            arguments = {**entry.arguments, **self.arguments}
+            self.add_target(replace(target, arguments=arguments, name=name, is_test_data=False))
         if not entries:
             self.add_target(target)
 
@@ -558,14 +559,29 @@ class _Planner:
         return any(folder in (real, *real.parents) for folder in self.given_folders)
 
 
-def _find_templates(folder: FolderIndex) -> dict[Path, str]:
-    """Return the models and the launch files in XML of a folder that a generator fills in, each with its first placeholder."""
+def _find_dead_files(folder: FolderIndex, launches: Mapping[Path, str]) -> dict[Path, str]:
+    """Return the models and the launch files (``launches``: texts by path) of packages in a folder that hold nothing and that no
+    file there names, each with the reason to leave it out."""
+    blank = [path for path, file in folder.files.items() if file.is_blank]
+    blank += [path for path, text in launches.items() if is_blank(text)]
+    return {
+        path: f", because {'all of it is in a comment' if _read_text(path).strip() else 'it is empty'} and no file names it"
+        for path in blank
+        if folder.finder.find_package_of(path.absolute()) is not None and not folder.is_named(path)
+    }
+
+
+def _find_templates(folder: FolderIndex, launches: Mapping[Path, str]) -> dict[Path, str]:
+    """Return the models and the launch files (``launches``) of a folder that a generator fills in.
+
+    Each comes with the reason to leave it out, which shows its first placeholder.
+    """
     templates = {path: file.placeholder for path, file in folder.files.items() if file.placeholder}
-    for launch in folder.launches:
-        placeholder = "" if launch.suffix == ".py" else find_placeholder(_read_text(launch))
-        if placeholder:
-            templates[launch] = placeholder
-    return templates
+    templates |= {path: placeholder for path, text in launches.items() if (placeholder := find_placeholder(text))}
+    return {
+        path: f" as a template, in which {truncate_text(placeholder, _LONGEST_SHOWN)} is filled in"
+        for path, placeholder in templates.items()
+    }
 
 
 def _assign_launches(targets: Sequence[ModelTarget]) -> list[ModelTarget]:

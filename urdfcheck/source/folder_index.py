@@ -20,7 +20,7 @@ from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS, iter_package_texts, read_package_texts
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.git import list_ignored
 
@@ -28,6 +28,8 @@ from urdfcheck.system.git import list_ignored
 # checked as a model.
 MAX_COMPARED = 500_000
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
+# Folders with the data of tests, by their names in lower case.
+_TEST_FOLDERS = frozenset({"benchmark", "benchmarks", "fixtures", "test", "test_data", "testdata", "tests"})
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 
@@ -188,6 +190,47 @@ class FolderIndex:
         files = [f for f, file in self.files.items() if not file.only_macros and f not in models]
         files += [f for f, file in self.srdfs.items() if f not in models and is_xacro(f) and file.has_parts]
         return tuple(FoundModel(path=path, is_tentative=True, is_part=True) for path in files)
+
+    def is_named(self, path: Path) -> bool:
+        """Whether another file of the folder names this one: a model, a launch file, or a text of a package."""
+        name, own = re.compile(rf"(?<![\w.-]){re.escape(path.name)}(?![\w.-])"), {path, path.absolute()}
+        if self.graph.is_included(self.reals[path]) or any(
+            name.search(file.text) for other, file in self.files.items() if other not in own
+        ):
+            return True
+        tops = [self.path, *self.packages]
+        return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
+
+    def is_test_data(self, path: Path) -> bool:
+        """Whether a file is in a folder of tests below this one, and no file outside of such folders includes it or names it."""
+        return self._is_in_tests(path) and path.name not in self._names_outside_tests
+
+    def _is_in_tests(self, path: Path) -> bool:
+        inside = path.relative_to(self.path).parts[:-1]
+        return any(
+            name.lower() in _TEST_FOLDERS and not self._is_package_of_name(self.path.joinpath(*inside[:level], name))
+            for level, name in enumerate(inside)
+        )
+
+    def _is_package_of_name(self, folder: Path) -> bool:
+        """Whether a folder is a package that is called so: that is a project, whatever its name."""
+        package = self.finder.find_package_of(folder.absolute() / "_") if folder in self.packages else None
+        return package is not None and package.name == folder.name
+
+    @cached_property
+    def _names_outside_tests(self) -> frozenset[str]:
+        """The names of files that the models and the texts of packages spell out, but for those in folders of tests."""
+        names = {
+            mention.rpartition("/")[2]
+            for f, file in self.files.items()
+            if not self._is_in_tests(f)
+            for mention in file.mentions
+        }
+        for top in self.packages or [self.path]:
+            for path, text in iter_package_texts(top, self.finder.can_open):
+                if not self._is_in_tests(path):
+                    names.update(find_file_names(text))
+        return frozenset(names)
 
     def may_be_part(self, path: Path) -> bool:
         """Whether another file below the folder includes this one, or may."""

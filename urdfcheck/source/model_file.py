@@ -36,6 +36,7 @@ _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
 # and "<your-package>" in a value.
 _PLACEHOLDERS = (
@@ -71,6 +72,7 @@ class ModelFile:
         text = self.text if source is None else source.text
         self.is_robot = _ROBOT.search(text) is not None
         self.placeholder = find_placeholder(text)
+        self.is_blank = is_blank(text)
         self.is_empty = not any(tag in text for tag in ("<link", "<joint", "<xacro:"))
         # An include in a comment has been tried before: the file that it names may be a part.
         self.mentions = list(dict.fromkeys(_INCLUDE.findall(text)))[:MAX_INCLUDES]
@@ -109,7 +111,7 @@ class ModelFile:
     def outline(self) -> tuple[object, ...]:
         """All that the search for models asks of a file that is a model or a part of one: it decides what is checked."""
         return (
-            *(self.is_robot, self.is_empty, self.is_xacro, tuple(self.mentions), tuple(self.includes)),
+            *(self.is_robot, self.is_blank, self.is_empty, self.is_xacro, tuple(self.mentions), tuple(self.includes)),
             *(self.only_macros, self.defines_macros, self.has_parts, self.stands_alone),
             *(self.robot_name, self.names_links_elsewhere, self.placeholder),
         )
@@ -178,6 +180,12 @@ def find_placeholder(text: str) -> str:
     patterns = [pattern for mark, pattern in _PLACEHOLDERS if mark in text and pattern.search(text)]
     bare = _COMMENT.sub("", text) if patterns else ""
     return next((match[1] for pattern in patterns if (match := pattern.search(bare))), "")
+
+
+def is_blank(text: str) -> bool:
+    """Whether a text in XML holds nothing, or nothing but comments."""
+    body = _DECLARATION.sub("", text.lstrip("\ufeff"), count=1).lstrip()
+    return not body or (body.startswith("<!--") and not _COMMENT.sub("", body).strip())
 
 
 def find_file_names(text: str) -> list[str]:

@@ -50,6 +50,8 @@ class ModelTarget:
     """Whether another file includes it, or may: then only its expansion shows whether it is a model by itself."""
     is_spare: bool = False
     """Whether it is expanded only if no model turns out to be made of it."""
+    is_test_data: bool = False
+    """Whether it was found in a folder of tests, and nothing outside of such folders starts it, includes it or names it."""
     xacro: bool | None = None
     """Whether a launch file hands the file to xacro (True) or to a parser as it is (False); None where none says so."""
     name: str | None = None
@@ -68,6 +70,7 @@ class ModelTarget:
             tentative=self.tentative and other.tentative,
             is_part=self.is_part and other.is_part,
             is_spare=self.is_spare and other.is_spare,
+            is_test_data=self.is_test_data and other.is_test_data,
             # A launch file that hands the file to xacro wins over one that does not, and both over none.
             xacro=True if self.xacro or other.xacro else self.xacro if other.xacro is None else other.xacro,
             name=self.name or other.name,

@@ -14,7 +14,10 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
+from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
+from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,
@@ -109,6 +112,48 @@ def find_other_includers(source: Source, name: str) -> list[str]:
                 continue
             found += [path.name] if including.search(text) else []
     return sorted(found)
+
+
+def find_conditional_include(source: Source) -> tuple[Path, str] | None:
+    """Find a file of the model's package that includes the model's own file under a condition, which is returned as typed."""
+    if source.package is None:
+        return None
+    ending = re.compile(rf"(?:^|/){re.escape(source.path.name)}$")
+    for path in _iter_caller_files(source.package.path, deep=True):
+        if path.suffix.lower() not in _INCLUDED_SUFFIXES or not source.finder.can_open(path):
+            continue
+        try:
+            file = SourceFile.read(path, format_path(path))
+            root = parse_xml(file) if source.path.name in file.text and "<xacro:" in file.text else None
+        except (OSError, XmlError):
+            continue
+        for include in iter_elements_by_tag({} if root is None else {file.name: root}, "xacro:include"):
+            around = include.parent
+            while around is not None and around.tag not in {"xacro:if", "xacro:unless"}:
+                around = around.parent
+            if around is not None and ending.search(include.get("filename")):
+                return path, f'<{around.tag} value="{around.get("value")}">'
+    return None
+
+
+def read_project_texts(source: Source) -> Iterator[str]:
+    """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
+    finder, package = source.finder, source.package
+    if package is None:
+        yield from read_package_texts(source.path.absolute().parent, finder.can_open, deep=False)
+        return
+    yield from read_package_texts(package.path, finder.can_open)
+    for name, folder in sorted(finder.list_workspace_packages().items()):
+        if folder != package.path and has_dependency(folder, package.name):
+            finder.find(name)  # then it counts as found, and its files are in reach
+            yield from read_package_texts(folder, finder.can_open)
+
+
+def is_kept_output(source: Source) -> bool:
+    """Whether xacro wrote the model, and no file of its package, or of one that depends on it, names it. False without one."""
+    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    is_kept = source.is_output_of_xacro and source.package is not None
+    return is_kept and not any(map(own.search, read_project_texts(source)))
 
 
 def has_unseen_includes(source: Source) -> bool:

@@ -111,7 +111,9 @@ def _blame_user(part: Unit, report: UnitReport, failed: Sequence[UnitReport]) ->
     if user is None:
         return report.findings
     return tuple(
-        _blame(finding, user) if (finding.code, finding.message_id) == ("XML002", "part") else finding
+        _blame(finding, user)
+        if finding.code == "XML002" and finding.message_id in {"part", "part-of-variant"}
+        else finding
         for finding in report.findings
     )
 

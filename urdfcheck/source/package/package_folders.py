@@ -185,10 +185,18 @@ def read_package_texts(folder: Path, allows: Callable[[Path], bool], *, deep: bo
 
     ``allows``: whether a path may be opened; ``deep``: whether the folders in it are read too.
     """
+    for _, text in iter_package_texts(folder, allows, deep=deep):
+        yield text
+
+
+def iter_package_texts(
+    folder: Path, allows: Callable[[Path], bool], *, deep: bool = True
+) -> Iterator[tuple[Path, str]]:
+    """Yield the same texts with the files that they are in."""
     for path in itertools.islice(_iter_texts(folder, deep=deep), _MOST_TEXTS) if allows(folder) else ():
         try:
             if allows(path):
-                yield read_regular(path, _LARGEST_TEXT).decode("utf-8", "replace")
+                yield path, read_regular(path, _LARGEST_TEXT).decode("utf-8", "replace")
         except OSError:
             continue
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import os
 import re
+from collections import Counter
 from collections.abc import Iterator
 from functools import lru_cache
 from itertools import islice
@@ -228,6 +229,7 @@ def _iter_mentions(text: str, path: Path, file_name: str) -> Iterator[PackageMen
     is_python = path.suffix == ".py"
     optional = _find_optional_lines(text) if is_python and "except" in text else frozenset()
     told = _find_told_lines(text) if is_python and _TOLD.search(bare) else frozenset()
+    unused = _find_unused_lines(text) if is_python and "generate_launch_description" in text else frozenset()
     for match in _MENTION.finditer(bare):
         file = file or SourceFile(path, file_name, text=text)
         group = next(i for i in (1, 3, 5, 6) if match.group(i))
@@ -241,7 +243,8 @@ def _iter_mentions(text: str, path: Path, file_name: str) -> Iterator[PackageMen
         at = Location(f"package[{name}]", file.make_span(*match.span(group)))
         if group < 5 and at.span is not None and at.span.line in told:
             continue
-        for inside in [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched):
+        found = [match.group(group + 1)] if group < 5 else _find_joined_paths(bare, match, searched, unused)
+        for inside in found:
             yield PackageMention(name, inside, at, at.span is not None and at.span.line in optional)
     for match in _XACRO.finditer(bare) if runs_xacro else ():
         file = file or SourceFile(path, file_name, text=text)
@@ -274,6 +277,16 @@ def _find_told_lines(text: str) -> frozenset[int]:
     return frozenset(line for node in told for line in _list_lines(node))
 
 
+def _find_unused_lines(text: str) -> frozenset[int]:
+    """Return the numbers of the lines of a launch file in Python that assign a name which nothing there reads."""
+    tree = parse_python(text)
+    assigned = (node for node in ast.walk(tree or ast.Module([], [])) if isinstance(node, ast.Assign))
+    named = ((node.targets[0].id, node) for node in assigned if isinstance(node.targets[0], ast.Name))
+    words = Counter(re.findall(r"\w+", text))  # a name that stands in a text may be read from there
+    once = ((name, node) for name, node in named if len(node.targets) == 1 and words[name] == 1)
+    return frozenset(line for _, node in once for line in _list_lines(node))
+
+
 def _is_print(node: ast.expr) -> bool:
     return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "print"
 
@@ -286,10 +299,10 @@ def _list_lines(node: ast.stmt) -> range:
     return range(node.lineno, (node.end_lineno or node.lineno) + 1)
 
 
-def _find_joined_paths(text: str, match: re.Match[str], searched: int) -> list[str]:
+def _find_joined_paths(text: str, match: re.Match[str], searched: int, unused: frozenset[int]) -> list[str]:
     """Return the paths that Python joins to a package's folder: in the same call, or where it uses the name of the folder.
 
-    ``searched``: how many times the text was searched for such a name.
+    ``searched``: how many times the text was searched for such a name; ``unused``: the lines whose paths nothing reads.
     """
     joined = _AT_ONCE.match(text, match.end())
     line = text.rfind("\n", 0, match.start()) + 1
@@ -297,6 +310,8 @@ def _find_joined_paths(text: str, match: re.Match[str], searched: int) -> list[s
     joins = [] if joined is None else [joined]
     if assigned is not None and searched <= _MOST_NAMES:
         joins += re.finditer(rf"\b{assigned.group(1)}{_JOINED}", text)
+    if unused:
+        joins = [join for join in joins if text.count("\n", 0, join.start("joined")) + 1 not in unused]
     return [_join_typed(join["joined"], is_part=join["more"] is not None) for join in joins] or [""]
 
 

@@ -187,6 +187,11 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
         listed = select_similar_submodules(repositories, [package])
         if listed:
             place = shlex.quote(format_path(file))
+            own = next(
+                (name for name, url in repositories.items() if package in {_cut_path(name), _cut_path(url)}), None
+            )
+            if own is not None:
+                return f"import its repository, which {file.name} lists: `vcs import < {place}`; otherwise {repair}"
             return f"if it is in {join_names(listed, 2)} of {file.name}, import that: `vcs import < {place}`; otherwise {repair}"
     if missing and package not in read_released_packages():
         return f"{repair}; or check out a submodule that has it: `git submodule update --init` ({join_names([*missing], 3)})"
@@ -201,7 +206,12 @@ def select_similar_submodules(submodules: Mapping[str, str], packages: Iterable[
 
 def _list_words(name: str) -> set[str]:
     """Return the words of the last part of a path or an address, without those that say nothing about whose it is."""
-    return {*_WORD.findall(PurePosixPath(name).name.lower().removesuffix(".git"))} - _WORDS_OF_MANY
+    return {*_WORD.findall(_cut_path(name).lower())} - _WORDS_OF_MANY
+
+
+def _cut_path(name: str) -> str:
+    """Return the name of a repository: the last part of its path or its address."""
+    return PurePosixPath(name).name.removesuffix(".git")
 
 
 def list_missing_submodules(finder: PackageFinder) -> dict[str, str]:
