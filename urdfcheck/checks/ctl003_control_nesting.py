@@ -40,10 +40,12 @@ def _check_blocks(model: Model, rule: Rule) -> Iterator[Finding]:
     is_ros1 = simulated or not _is_for_ros2(model)
     severity = None if simulated else Severity.WARNING
     yield from _check_nesting(model, rule, severity=severity)
-    if severity is not None and not names_ros_control(model):
+    transmissions = model.robot.find_children("transmission")
+    # The texts of a project are read only for a model that has one.
+    if severity is not None and transmissions and not names_ros_control(model):
         severity = Severity.INFO
     driven = _list_driven_joints(model)
-    for transmission in model.robot.find_children("transmission"):
+    for transmission in transmissions:
         yield from _check_type(rule, transmission, severity=severity, is_ros1=is_ros1)
         if is_ros1:
             yield from _check_interfaces(model, rule, transmission, severity=severity, driven=driven)
