@@ -319,7 +319,7 @@ def test_the_inertia_that_is_enough_is_enough(tmp_path: Path) -> None:
 
     (finding,) = find(tmp_path, chain(1e-6), {"DYN001"})
     assert finding.fix is not None
-    assert "kg·m² about every axis is enough" in finding.fix.title
+    assert "kg·m² about every axis would make the number ten times smaller" in finding.fix.title
     assert not find(tmp_path, chain(float(finding.data["enough"])), {"DYN001"})
 
 

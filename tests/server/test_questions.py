@@ -251,7 +251,7 @@ def test_a_macro_shows_who_uses_it_and_what_is_wrong_with_it(editor: Editor, rob
         '<xacro:macro name="arm': "used by 2 robots · 1 error",
         '<xacro:macro name="unu': "used by no robot",
     }
-    assert list_lenses(editor, user) == {'<robot name="two_arms"': "3 links · 2 joints · 1 error · 1 warning"}
+    assert list_lenses(editor, user) == {'<robot name="two_arms"': "3 links · 2 joints · 1 error"}
 
 
 def test_elements_and_comments_of_several_lines_can_be_folded(editor: Editor, robot: tuple[Path, Path]) -> None:
