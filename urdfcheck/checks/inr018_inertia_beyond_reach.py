@@ -101,10 +101,11 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     """Whether it is not known how large the link's body is, and the link matters to how it moves; otherwise INR005 and INR006
     compare it with its geometry.
 
-    A mass that is ``distance`` lengths of the robot away matters with the square of that for the moments of its body. INR006 does
-    not check the COMs of links that draw nothing.
+    A mass that is ``distance`` lengths of the robot away matters as much more, and with the square of its lever for the moments
+    of its body. INR006 does not check the COMs of links that draw nothing.
     """
     # Few models have a link that is so far away: the others do without the geometry of inertials.
+    from urdfcheck.model.inertials.inertial_effects import is_at_long_lever
     from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
 
     if is_massless_frame(model.link_by_name[name]):
@@ -112,8 +113,11 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     body = model.tree.list_body_links(name)
     shares = compute_body_shares(model, body).get(name)
     is_checked = collect_body_corners(model, body) is not None and (index or has_drawn_shape(model.link_by_name[name]))
-    weight = 1.0 if index else max(1.0, distance) ** 2
-    return not is_checked and shares is not None and shares[index] * weight >= NEGLIGIBLE_SHARE
+    if is_checked or shares is None:
+        return False
+    if index == 0 and is_at_long_lever(model, model.link_by_name[name]):
+        return True
+    return shares[index] * (1.0 if index else max(1.0, distance)) >= NEGLIGIBLE_SHARE
 
 
 def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, float], reach: float) -> str:

@@ -33,8 +33,9 @@ if TYPE_CHECKING:
 
 # A part of a rigid body that is lighter than this share of it hardly changes how the body moves.
 LIGHT = 0.05
-# Unless its COM is so far away that it makes more than this share of the largest moment of its body (chosen).
-_FAR_MOMENT = 0.5
+# Unless its COM is so far away that it makes more than this share of the largest moment of its body: of 98 such links of
+# published robots one reaches 0.065, the others less than 0.05.
+_FAR_MOMENT = 0.1
 # Moments so many times too small are those of a part of a seventh of the size.
 TINY = 50.0
 # Moments that are all so many times too small, to within the other factor, are those of a lighter part of the same shape. Of
@@ -224,13 +225,13 @@ def is_light(model: Model, link: Link, mended: DeclaredInertial | None = None) -
     if len(body) == 1 or whole is None or mass is None:
         return False
     lost = 0.0 if mended is None else max(0.0, mended.mass - mass)
-    return mass + lost < LIGHT * (whole + lost) and not _is_at_long_lever(model, link, mass, body)
+    return mass + lost < LIGHT * (whole + lost) and not is_at_long_lever(model, link)
 
 
-def _is_at_long_lever(model: Model, link: Link, mass: float, body: tuple[str, ...]) -> bool:
-    """Whether the COM of a link is so far from its frame that the mass alone makes most of the moments of its body."""
-    com = None if link.inertial is None else link.inertial.origin.xyz
-    tensor = compute_body_tensor(model, body)
-    if com is None or tensor is None:
+def is_at_long_lever(model: Model, link: Link) -> bool:
+    """Whether the COM of a link is so far from its frame that the mass alone matters for the moments of its body."""
+    com, mass = (None, None) if link.inertial is None else (link.inertial.origin.xyz, link.inertial.mass)
+    tensor = compute_body_tensor(model, model.pieces.list_body_links(link.name))
+    if com is None or mass is None or tensor is None:
         return False
     return mass * float(np.dot(com, com)) > _FAR_MOMENT * float(np.linalg.eigvalsh(tensor)[-1])
