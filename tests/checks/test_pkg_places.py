@@ -616,3 +616,18 @@ def test_the_package_of_the_file_that_names_another_declares_it(tmp_path: Path) 
     assert finding.message_id == "files-declared"
     assert finding.fix is not None
     assert "declares it only for the build: add `<exec_depend>gone</exec_depend>`" in finding.fix.title
+
+
+def test_a_relative_path_is_compared_with_the_files_of_its_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A namesake in the folder of another robot is not proposed, wherever the run was started."""
+    write(tmp_path, "package.xml", text="<package><name>arm</name></package>")
+    write(tmp_path, "meshes/gripper/base.stl", "meshes/arm.stl")
+    model = tmp_path / "urdf/arm.urdf"
+    write(tmp_path, "urdf/arm.urdf", text=f'<robot name="arm">{link("a", visual(mesh("../meshes/base.stl")))}</robot>')
+    monkeypatch.chdir(tmp_path)
+    for path in (Path("."), Path("urdf/arm.urdf"), model):
+        run = check(path, codes={"PKG002"})
+        assert not run.failures
+        assert [f.fix.title for f in run.findings if f.fix] == ["correct the path, or add the file"]

@@ -345,6 +345,7 @@ def _is_in_folder_of_another(path: Path, other: Path) -> bool:
 
     ``gripper/base.stl`` is not the ``base.stl`` of an arm; ``visual/base.stl`` may be.
     """
+    path, other = path.absolute(), other.absolute()
     common = Path(os.path.commonpath([path, other]))
     names = {word for part in path.parts for word in _split_words(part)}
     return any(not _split_words(part) <= names | _FOLDER_WORDS for part in other.parent.relative_to(common).parts)
