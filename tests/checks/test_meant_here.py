@@ -121,7 +121,7 @@ def test_a_tensor_fits_a_part_about_its_axes_only(tmp_path: Path, turned: bool, 
     ("mass", "moments", "names"),
     [
         (0.1, (1.66667e-4, 1.66667e-4, 1.66667e-4), {"box", "cube"}),
-        (0.3, (1.92e-4, 1.92e-4, 1.92e-4), {"sphere"}),
+        (0.31, (2.511e-4, 2.511e-4, 2.511e-4), {"sphere"}),
         (2.0, (0.0125 / 3 + 0.006667 / 2, 1.0, 2.0), set()),
         (1.0, (1.0, 1.0, 1.0), set()),
     ],

@@ -18,7 +18,6 @@ from urdfcheck.facts.inertials.published_parts import name_published_part
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
-from urdfcheck.model.inertials.diagnosis_rivals import has_rival_formula
 from urdfcheck.model.inertials.diagnosis_words import (
     MILD_CAUSES,
     NOTABLE,
@@ -55,6 +54,7 @@ from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
+from urdfcheck.model.inertials.proposals.rival_formulas import has_rival_formula
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shared_mistakes import (
