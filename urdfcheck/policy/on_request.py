@@ -16,7 +16,7 @@ _OF_ONE_MACHINE = frozenset({"PKG004"})
 def split_unrequested(
     findings: Iterable[Finding], rules: Mapping[str, Rule], *, unrequested: frozenset[str], targets: Sequence[str]
 ) -> tuple[list[Finding], list[Finding]]:
-    """Split findings into those of the report and the notes that nobody asked for.
+    """Split findings into those of the report and the notes that were not asked for.
 
     A note of a message that its page lists under ``on_request`` is reported if its rule is not among the ``unrequested`` codes,
     or if it matters to a target. Errors and warnings are always reported. A suppressed note stays, because its suppression is

@@ -21,7 +21,7 @@ class Policy:
     codes: frozenset[str]
     """Codes of the selected rules."""
     unrequested: frozenset[str] = frozenset()
-    """Codes of rules that nobody asked for by name: of these, notes on request are left out (`Rule.on_request`)."""
+    """Codes of rules that were not asked for by name: of these, notes on request are left out (`Rule.on_request`)."""
     postponed: frozenset[str] = frozenset()
     """Codes of rules that are selected only where their notes are asked for: to look for these takes long."""
     pedantic: bool = False

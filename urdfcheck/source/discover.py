@@ -216,7 +216,7 @@ class _Planner:
         self.macro_files.update(dict.fromkeys(path for path in macro_files if self.is_usable(path, named=False)))
 
     def pass_over(self, files: Mapping[Path, str]) -> None:
-        """Say why files of a folder are left out, but for those that a launch file or the configuration names."""
+        """Say why files of a folder are left out, except for those that a launch file or the configuration names."""
         for path, reason in files.items():
             if resolve_path(path) not in self.models and self.is_usable(path, named=False):
                 self.left_out.append((format_path(path), f"left out{reason}; name it to check it"))

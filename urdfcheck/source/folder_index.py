@@ -202,7 +202,7 @@ class FolderIndex:
         return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
 
     def is_test_data(self, path: Path) -> bool:
-        """Whether a file is in a folder of tests below this one, and no file outside of such folders includes it or names it."""
+        """Whether a file is in a folder of tests below this one, and no file outside such folders includes it or names it."""
         return self._is_in_tests(path) and path.name not in self._names_outside_tests
 
     def _is_in_tests(self, path: Path) -> bool:
@@ -219,7 +219,7 @@ class FolderIndex:
 
     @cached_property
     def _names_outside_tests(self) -> frozenset[str]:
-        """The names of files that the models and the texts of packages spell out, but for those in folders of tests."""
+        """The names of files that the models and the texts of packages spell out, except for those in folders of tests."""
         names = {
             mention.rpartition("/")[2]
             for f, file in self.files.items()

@@ -51,7 +51,7 @@ class ModelTarget:
     is_spare: bool = False
     """Whether it is expanded only if no model turns out to be made of it."""
     is_test_data: bool = False
-    """Whether it was found in a folder of tests, and nothing outside of such folders starts it, includes it or names it."""
+    """Whether it was found in a folder of tests, and nothing outside such folders starts it, includes it or names it."""
     xacro: bool | None = None
     """Whether a launch file hands the file to xacro (True) or to a parser as it is (False); None where none says so."""
     name: str | None = None
