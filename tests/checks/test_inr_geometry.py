@@ -243,6 +243,12 @@ def test_the_size_that_is_told_is_the_greatest_distance(count: int) -> None:
     assert measure_extent(points) > 0.5
 
 
+def test_the_greatest_distance_of_many_points_is_that_of_all_pairs() -> None:
+    points = np.random.default_rng(3).normal(size=(900, 3)) * (1.0, 0.8, 0.1)
+    apart = np.linalg.norm(points[:, None] - points[None], axis=2)
+    assert measure_diameter(points) == pytest.approx(float(apart.max()), rel=1e-12)
+
+
 def test_nothing_is_said_about_a_link_whose_mesh_is_missing(tmp_path: Path) -> None:
     content = make_arm(replace(Part(), com=(9, 9, 9), tensor=1e6 * Part().inertia))
     mesh = '<visual><geometry><mesh filename="lost.stl"/></geometry></visual></link><joint'

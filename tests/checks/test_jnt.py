@@ -494,6 +494,18 @@ def test_a_fixed_joint_with_a_mimic_is_an_info(tmp_path: Path, kind: str, drake:
     assert [f.message_id for f in others] == ["idle" if kind == "fixed" else "fixed"]  # and no cycle
 
 
+def test_a_leader_that_follows_reaches_what_its_leader_gives_it(tmp_path: Path) -> None:
+    """Its own limits are wider than the half that it moves in."""
+    names = "abcd"
+    limits = {"b": (0, 1.57), "c": (-1.57, 1.57), "d": (-1.57, 0)}
+    follow = {"c": '<mimic joint="j_b" multiplier="-1"/>', "d": '<mimic joint="j_c"/>'}
+    joints = [
+        make_joint(f'<limit lower="{low}" upper="{high}" effort="1" velocity="1"/>{follow.get(n, "")}', name=f"j_{n}", child=n)
+        for n, (low, high) in limits.items()
+    ]
+    assert not find(tmp_path, robot(*map(link, names), *joints), "JNT009")
+
+
 def test_a_fixed_joint_that_mimics_itself_is_idle(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_three_links(make_joint(follows("j"), kind="fixed")), "JNT009")
     assert (finding.message_id, finding.severity) == ("idle", Severity.INFO)

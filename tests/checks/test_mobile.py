@@ -107,6 +107,14 @@ def test_casters_do_not_end_at_the_height_of_the_wheels(
     assert finding.location.subject.startswith("joint[caster_0_joint]")
 
 
+def test_a_robot_whose_weight_is_about_above_the_axle_leans_until_its_caster_touches(tmp_path: Path) -> None:
+    """The wheels are round: no edge of what stands for them holds the robot on the way."""
+    text = cart(casters=("0.12 0 0.03",), body="0 0 0.2").replace('xyz="0 0 0.1"', 'xyz="0.002 0 0.1"')
+    (finding,) = find(tmp_path, text, "DYN006")
+    # The ball is 20 mm too high, 0.12 m ahead, and the wheels roll on: 0.12 sin a + 0.02 cos a + 0.01 = 0.05 (1 - cos a) + ...
+    assert finding.data["tilt"] == pytest.approx(9.53, abs=0.3)
+
+
 def test_casters_with_a_little_play_are_sound(tmp_path: Path) -> None:
     assert not find(tmp_path, cart(casters=("0.12 0 0.011", "-0.12 0 0.011")), RULES)
 

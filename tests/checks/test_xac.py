@@ -1528,3 +1528,15 @@ def test_a_missing_file_that_a_package_of_the_same_name_has(tmp_path: Path) -> N
     assert "but another package q has it: " in finding.message
     assert finding.fix is not None
     assert finding.fix.title.startswith("keep only the package q with ")
+
+
+@pytest.mark.parametrize("defined", [True, False])
+def test_a_property_of_itself_is_to_be_deleted(tmp_path: Path, defined: bool) -> None:
+    """With the prefix xacro would stop at it; where nothing else defines the name it stops at it in any case."""
+    known = '<xacro:property name="size" value="1"/>' if defined else ""
+    run = xacro(tmp_path, f'{known}<property name="size" value="${{size}}"/>', {"XAC001", "XAC007"})
+    own = only(run)
+    assert (own.message_id, own.severity) == ("circular", Severity.INFO if defined else Severity.ERROR)
+    assert own.fix is not None
+    assert own.fix.title.startswith("delete it")
+    assert [edit.new for edit in own.fix.edits] == [""]

@@ -46,7 +46,7 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         elif leader.type == "fixed":
             yield rule.finding("fixed", at=at, joint=joint.name, leader=leader.name, related=[leader])
         else:
-            yield from _check_range(rule, joint, leader, reference=at, slack=slack)
+            yield from _check_range(model, rule, joint, leader, reference=at, slack=slack)
 
 
 def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
@@ -61,9 +61,25 @@ def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
     return tuple(names) if joint is not None and joint.name == start.name else ()
 
 
-def _check_range(rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float) -> Iterator[Finding]:
+def _find_motion(model: Model, joint: Joint) -> tuple[float, float] | None:
+    """Find the positions that a joint reaches: its range, and of one that follows another only what that one's range gives it."""
+    span, coefficients = joint.position_range, joint.mimic_coefficients
+    mimic = joint.mimic
+    leader = None if mimic is None else model.joint_by_name.get(mimic.get("joint"))
+    if span is None or coefficients is None or leader is None or _find_mimic_loop(model, joint):
+        return span
+    led = _find_motion(model, leader)
+    if led is None or leader.type == "fixed":
+        return span
+    low, high = sorted(coefficients[0] * position + coefficients[1] for position in led)
+    low, high = max(low, span[0]), min(high, span[1])
+    # One that only exceeds its limits is reported itself.
+    return (low, high) if low < high else span
+
+
+def _check_range(model: Model, rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float) -> Iterator[Finding]:
     """Report a follower whose own limits are narrower than its leader's range demands."""
-    follower_range, leader_range = joint.position_range, leader.position_range
+    follower_range, leader_range = joint.position_range, _find_motion(model, leader)
     coefficients = joint.mimic_coefficients
     if follower_range is None or leader_range is None or coefficients is None:
         return

@@ -49,6 +49,7 @@ from urdfcheck.source.xacro.usage import (
     collect_called_macros,
     collect_macros,
     collect_properties,
+    defines_itself,
     find_conditions,
     find_unprefixed_tags,
     iter_elements_by_tag,
@@ -131,7 +132,7 @@ def _find_unprefixed_tags(failure: _ExpansionFailure, report: _FailureReport) ->
     """Return the tags that would define what is missing if they had xacro's prefix: XAC007 reports that cause."""
     if report.message not in {"undefined-name", "unknown-macro", "undefined-block"}:
         return []
-    tags = find_unprefixed_tags(failure.source.trees)
+    tags = (tag for tag in find_unprefixed_tags(failure.source.trees) if not defines_itself(tag))
     return [e.subject for e in tags if e.tag == "include" or e.get("name") == report.data["name"]]
 
 

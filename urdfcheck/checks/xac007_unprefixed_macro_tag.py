@@ -13,12 +13,14 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls
+from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import (
     collect_macros,
     collect_read_arguments,
     collect_uncalled_links,
+    defines_itself,
     find_unprefixed_tags,
     iter_elements_by_tag,
     list_strange_tags,
@@ -62,7 +64,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if span is not None and (span.file in own_trees or (span.file, span.start) in left_over):
             by_file.setdefault(span.file, []).append(element)
     explained = _list_explained(source) if by_file and source.is_xacro else []
-    for name, found in by_file.items():
+    for name, all_found in by_file.items():
+        circular = [element for element in all_found if source.is_xacro and defines_itself(element)]
+        if circular:
+            yield _build_circular_finding(source, rule, circular)
+        found = [element for element in all_found if element not in circular]
+        if not found:
+            continue
         message, severity = _find_message(source, found)
         elements = _sort_by_weight(source, found)
         tags = Counter(e.tag for e in elements)
@@ -85,6 +93,25 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             consequences=_describe_consequences(source, elements),
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
+
+
+def _build_circular_finding(source: Source, rule: Rule, elements: Sequence[Element]) -> Finding:
+    """Report together the properties of a file whose values read their own names: xacro copies them, and the prefix stops it."""
+    name = elements[0].get("name")
+    finding = rule.finding(
+        "circular",
+        at=elements[0],
+        related=elements[1:_MAX_EDITED],
+        severity=Severity.INFO,
+        edits=[edit for element in elements[:_MAX_EDITED] for edit in build_removal_edits(element, source.files)],
+        names=join_names(element.get("name") for element in elements),
+        name=name,
+        noun="property" if len(elements) == 1 else "properties",
+        lack="lacks" if len(elements) == 1 else "lack",
+        have="has its own name in its value" if len(elements) == 1 else "have their own names in their values",
+        them="it" if len(elements) == 1 else "them",
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
 
 
 def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Severity | None]:

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 # Rows of points that are compared with all others at once.
 _ROWS = 256
+# Distances that are computed at once, of which each takes 32 bytes: a mesh may have a million corners.
+_COMPARED = 1_000_000
 # Steps of Wolfe's algorithm; in three dimensions it needs about ten.
 _STEPS = 100
 # Variances that agree to this share have no axes of their own: a rotation in five digits mixes them at will.
@@ -33,11 +35,20 @@ def measure_diameter(points: ArrayLike) -> float:
     """Measure the greatest distance of two of ``points`` (K, 3): the length that a reader measures, and never more than
     `measure_extent`."""
     corners = np.asarray(points, dtype=float)
-    squares = 0.0
-    for start in range(0, len(corners), _ROWS):
-        apart = corners[start : start + _ROWS, None] - corners[None, start:]
-        squares = max(squares, float(np.einsum("ijk,ijk->ij", apart, apart).max()))
-    return float(np.sqrt(squares))
+    corners = corners - corners.mean(axis=0)
+    reach = np.linalg.norm(corners, axis=1)
+    order = np.argsort(-reach)
+    corners, reach = corners[order], reach[order]
+    # Two points are no farther apart than both are from the middle: those near it are in no pair that is longer than one known.
+    farthest = float(np.linalg.norm(corners - corners[0], axis=1).max())
+    rows = max(1, min(_ROWS, _COMPARED // len(corners)))
+    for start in range(0, len(corners), rows):
+        if reach[start] + reach[0] <= farthest:
+            break
+        last = int(np.searchsorted(-reach, float(reach[start]) - farthest, side="right"))
+        apart = corners[start : start + rows, None] - corners[None, start : max(last, start + 1)]
+        farthest = max(farthest, float(np.einsum("ijk,ijk->ij", apart, apart).max()) ** 0.5)
+    return farthest
 
 
 def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 1e-6) -> float:

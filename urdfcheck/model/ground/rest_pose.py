@@ -13,6 +13,7 @@ from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.corners import ROUND_CORNERS
 from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
 
 if TYPE_CHECKING:
@@ -121,7 +122,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
 def _list_load_cases(com: Array, driven: Sequence[Wheel], tolerance: float) -> list[Array]:
     """List the places (3,) of the COM that are tried: as it is, or on either side of one axle that it is above.
 
-    Balanced on two wheels a robot tips to either side with the first movement.
+    Balanced on two wheels a robot tips to either side with the first movement. The corners that stand for a round wheel would hold
+    a COM that is higher than the axle and above one of their edges, which a wheel does not have: it is tried beyond the edge.
     """
     import numpy as np
 
@@ -131,9 +133,14 @@ def _list_load_cases(com: Array, driven: Sequence[Wheel], tolerance: float) -> l
     if len(driven) != 2 or not length > 0:
         return [com]
     across /= length
-    if abs(float((com - driven[0].centre) @ across)) > 2 * tolerance:
+    offset, near = float((com - driven[0].centre) @ across), 2 * tolerance
+    reach = near
+    if com[2] >= driven[0].centre[2]:
+        reach = max(near, 2 * math.tan(math.pi / ROUND_CORNERS) * max(wheel.radius for wheel in driven))
+    if abs(offset) > reach:
         return [com]
-    return [com + 2 * tolerance * across, com - 2 * tolerance * across]
+    sides = (1.0, -1.0) if abs(offset) <= near else (math.copysign(1.0, offset),)
+    return [com + side * reach * across for side in sides]
 
 
 def is_caster_joint(joint: Joint) -> bool:

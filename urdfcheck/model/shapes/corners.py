@@ -18,6 +18,8 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import get_up_axis_rotation, is_dummy_shape
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
+# Corners on the circle that stands for a round shape.
+ROUND_CORNERS = 64
 _CUBE = np.array(list(product((-0.5, 0.5), repeat=3)))
 
 
@@ -87,7 +89,7 @@ def compute_shape_corners(
 @cache
 def _make_circle(circumscribed: bool) -> Array:
     """Make the unit circle about z (k, 3): a polygon with its corners on it, or one around it, which need not be as fine."""
-    corners = 32 if circumscribed else 64
+    corners = 32 if circumscribed else ROUND_CORNERS
     angles = np.arange(corners) * 2 * np.pi / corners
     radius = 1 / np.cos(np.pi / corners) if circumscribed else 1.0
     return np.column_stack((np.cos(angles), np.sin(angles), np.zeros(corners))) * radius

@@ -182,6 +182,11 @@ def find_unprefixed_tags(
     return unprefixed
 
 
+def defines_itself(element: Element) -> bool:
+    """Whether the value of a property reads the name that it defines: with the prefix of xacro it is a circle."""
+    return element.tag.endswith("property") and element.get("name") in find_expression_names(element.get("value"))
+
+
 def list_strange_tags(tree: Element) -> list[str]:
     """Return the tags directly in a root that no parser of robots knows: calls of macros in other files may lack the prefix."""
     known = _URDF_TAGS | _FOREIGN_TAGS | _REQUIRED_BY_TAG.keys()
