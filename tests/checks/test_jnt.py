@@ -459,6 +459,18 @@ def follows(leader: str, rest: str = "", limit: str = LIMIT) -> str:
     return f'{limit}<mimic joint="{leader}" {rest}/>'
 
 
+@pytest.mark.parametrize("effort", [0, 1])
+def test_alike_joints_of_one_macro_are_locked_on_purpose(tmp_path: Path, effort: int) -> None:
+    """An exporter with an empty dialog writes a limit for each joint."""
+    limit_text = f'<limit lower="0" upper="0" effort="{effort}" velocity="0"/>'
+    macro = f'<xacro:macro name="shock" params="n">{make_joint(limit_text, name="j_${n}", child="${n}")}</xacro:macro>'
+    drive = '<gazebo><plugin name="p" filename="libgazebo_ros_planar_move.so"><topic>cmd</topic></plugin></gazebo>'
+    calls = '<xacro:shock n="b"/><xacro:shock n="c"/>'
+    text = robot(*map(link, "abc"), macro, calls, drive, xacro=True)
+    (finding,) = find(tmp_path, text, "JNT005", name="robot.urdf.xacro")
+    assert finding.severity == Severity.INFO
+
+
 def test_a_joint_that_follows_itself(tmp_path: Path) -> None:
     assert [f.message_id for f in find(tmp_path, make_three_links(make_joint(follows("j"))), "JNT009")] == ["itself"]
 
@@ -500,7 +512,9 @@ def test_a_leader_that_follows_reaches_what_its_leader_gives_it(tmp_path: Path) 
     limits = {"b": (0, 1.57), "c": (-1.57, 1.57), "d": (-1.57, 0)}
     follow = {"c": '<mimic joint="j_b" multiplier="-1"/>', "d": '<mimic joint="j_c"/>'}
     joints = [
-        make_joint(f'<limit lower="{low}" upper="{high}" effort="1" velocity="1"/>{follow.get(n, "")}', name=f"j_{n}", child=n)
+        make_joint(
+            f'<limit lower="{low}" upper="{high}" effort="1" velocity="1"/>{follow.get(n, "")}', name=f"j_{n}", child=n
+        )
         for n, (low, high) in limits.items()
     ]
     assert not find(tmp_path, robot(*map(link, names), *joints), "JNT009")

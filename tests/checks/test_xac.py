@@ -1539,4 +1539,4 @@ def test_a_property_of_itself_is_to_be_deleted(tmp_path: Path, defined: bool) ->
     assert (own.message_id, own.severity) == ("circular", Severity.INFO if defined else Severity.ERROR)
     assert own.fix is not None
     assert own.fix.title.startswith("delete it")
-    assert [edit.new for edit in own.fix.edits] == [""]
+    assert [edit.replacement for edit in own.fix.edits] == [""]

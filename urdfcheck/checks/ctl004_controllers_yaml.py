@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
@@ -26,12 +27,15 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.source.load import read_xacro_source
 from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
+from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
+from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
@@ -103,7 +107,8 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 at=parameters.element,
                 severity=Severity.WARNING,
                 edits=edit_content(parameters.element, text, model.source.files) if is_certain else (),
-                how=_describe_how(model),
+                how=_describe_how(model, parameters.element),
+                also=_describe_absence(model, package, below) if parameters.path is None else "",
                 package=package,
                 below=below,
                 path=parameters.text,
@@ -118,13 +123,39 @@ def _is_read_as_it_is(model: Model) -> bool:
     return not is_xacro(model.source.path) and not may_run_xacro(model.source.path, model.source.finder)
 
 
-def _describe_how(model: Model) -> str:
+def _describe_how(model: Model, element: Element) -> str:
     """Say what must be done before ``$(find …)`` can be written."""
     if model.source.is_xacro:
         return ""
-    if model.source.is_output_of_xacro:
-        return "expand the xacro when it is launched instead of keeping its output, and there "
-    return "make the model a xacro and "
+    if not model.source.is_output_of_xacro:
+        return "make the model a xacro and "
+    lacking = _find_source_without(model, element)
+    if lacking is not None:
+        return f"add the plugin to {lacking}, which has none and would lose it when it is expanded again, and there "
+    return "expand the xacro when it is launched instead of keeping its output, and there "
+
+
+def _find_source_without(model: Model, element: Element) -> str | None:
+    """Return the name of the file that xacro made the model from, if that includes no other and lacks an element's plugin."""
+    file, plugin = model.source.files[model.source.name], element.parent
+    written = read_xacro_source(file.text)
+    found = [] if written is None else find_files_elsewhere(written, file.path, model.source.finder)
+    name = "" if plugin is None else plugin.get("filename").strip()
+    if len(found) != 1 or not name or not model.source.finder.can_open(found[0]):
+        return None
+    try:
+        text = read_regular(found[0]).decode("utf-8", errors="replace")
+    except (OSError, FileTooLargeError):
+        return None
+    return None if name in text or "include" in text else found[0].name
+
+
+def _describe_absence(model: Model, package: str, below: str) -> str:
+    """Say that a package that is here lacks the file that the repair names."""
+    folder = model.source.finder.find(package)
+    if folder is None or os.path.isfile(model.source.finder.find_source(folder / below)):
+        return ""
+    return f"; {package} has no {below} here, so add that file too"
 
 
 def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, str] | None:

@@ -25,6 +25,7 @@ from urdfcheck.model.gazebo import (
     list_sensors,
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
+from urdfcheck.model.simulation_use import names_successor, starts_classic
 from urdfcheck.source.text.tokens import read_typed_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -63,6 +64,12 @@ class _UnknownCollision:
     """The sensor's link in SDF."""
     candidates: tuple[str, ...]
     """The first few names of the shapes of the sensor's own link in SDF."""
+
+
+# Gazebo Classic does not compare the names of sensors.
+_IN_CLASSIC = (
+    "loads them all under one name and one topic: plugins that read this topic (gazebo_ros_laser) mix the data"
+)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -245,7 +252,7 @@ def _check_duplicate_topics(sensors: list[GazeboSensor], rule: Rule) -> Iterator
 def _check_duplicate_names(
     model: Model, sensors: list[GazeboSensor], reduction: FixedJointReduction, rule: Rule
 ) -> Iterator[Finding]:
-    """Report sensors with one name in one link of SDF, which drops all but the first."""
+    """Report sensors with one name in one link of SDF, of which the new Gazebo drops all but the first."""
     groups: dict[tuple[str, str], list[GazeboSensor]] = {}
     for sensor in sensors:
         if sensor.name and sensor.reference in reduction.body_by_link:
@@ -255,8 +262,11 @@ def _check_duplicate_names(
             links = dict.fromkeys(sensor.reference for sensor in alike)
             first, second = (sensor.element for sensor in alike[:2])
             include = _find_include(second, model) if first.span == second.span else None
+            is_classic = starts_classic(model) and not (is_for_new_gazebo(model) or names_successor(model))
+            dropped = "the second is dropped" if len(alike) == 2 else "all but the first are dropped"
             yield rule.finding(
                 "twice",
+                consequences={"gazebo": _IN_CLASSIC} if is_classic else None,
                 at=second.attributes["name"] if include is None else Location(second.subject, include),
                 related=[first.attributes["name"]],
                 name=name,
@@ -264,7 +274,7 @@ def _check_duplicate_names(
                 count=len(alike),
                 merged=f" (from {join_names(links)}, which Gazebo merges)" if len(links) > 1 else "",
                 included="" if include is None else ", because their file is included more than once",
-                rest="the second is" if len(alike) == 2 else "all but the first are",
+                rest="they share one topic" if is_classic else dropped,
                 repair=_describe_renaming(alike, include),
             )
 

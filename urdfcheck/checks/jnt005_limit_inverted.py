@@ -50,7 +50,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():
         # Neither an exporter nor a command is behind a joint that a robot with plugins of Gazebo holds at zero.
-        is_held = named and value == 0 and not is_empty
+        is_held = named and value == 0 and (not is_empty or _are_of_one_macro(joints))
         meant = [
             joint
             for joint in joints
@@ -72,6 +72,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
+
+
+def _are_of_one_macro(joints: Sequence[Joint]) -> bool:
+    """Whether several joints have one limit, which a macro types: an exporter writes one for each."""
+    return len(joints) > 1 and len({None if joint.limit is None else joint.limit.span for joint in joints}) == 1
 
 
 def _collect_driven_names(model: Model) -> set[str]:

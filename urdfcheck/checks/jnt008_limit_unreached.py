@@ -24,7 +24,7 @@ _WHEEL_REPAIR = "delete lower and upper, or make the joint revolute if it has a 
 
 
 def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
-    joints_by_message: dict[str, list[Joint]] = {"continuous": [], "fixed": [], "wide": []}
+    joints_by_message: dict[str, list[Joint]] = {"continuous": [], "winding": [], "fixed": [], "wide": []}
     for joint in model.joints:
         lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if lower is None or upper is None or lower == upper:
@@ -36,7 +36,9 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
             and max(-lower, upper) < _ENDLESS
             and not _stays_within(model, joint, lower, upper)
         ):
-            joints_by_message[joint.type].append(joint)
+            # Limits of a turn to either side say that the joint turns without end: each angle is within them.
+            is_winding = joint.type == "continuous" and min(-lower, upper) > _TURN
+            joints_by_message["winding" if is_winding else joint.type].append(joint)
         elif joint.type == "revolute" and upper - lower > turns * math.tau and not _is_all_endless(joint):
             joints_by_message["wide"].append(joint)
     for message, joints in joints_by_message.items():

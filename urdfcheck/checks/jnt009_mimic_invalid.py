@@ -77,7 +77,9 @@ def _find_motion(model: Model, joint: Joint) -> tuple[float, float] | None:
     return (low, high) if low < high else span
 
 
-def _check_range(model: Model, rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float) -> Iterator[Finding]:
+def _check_range(
+    model: Model, rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float
+) -> Iterator[Finding]:
     """Report a follower whose own limits are narrower than its leader's range demands."""
     follower_range, leader_range = joint.position_range, _find_motion(model, leader)
     coefficients = joint.mimic_coefficients

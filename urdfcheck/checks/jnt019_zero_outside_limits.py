@@ -42,6 +42,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
     if outside:
         is_near = all(_is_near(joint, near, notable) for joint in outside)
         is_meant = _are_legs(outside) or has_bare_joints(model) or is_started_elsewhere(model)
+        is_meant |= model.source.package is None and not _is_started_by_controllers(model)
         message = "near" if is_near else "meant" if is_meant else "outside"
         is_far = any(_measure_share(joint) > notable for joint in outside)
         is_warning = message == "outside" and is_far and _is_started_by_controllers(model)
@@ -65,8 +66,12 @@ def _is_started_by_controllers(model: Model) -> bool:
         for block in model.robot.find_children("gazebo")
         for plugin in block.find_children("plugin")
     ]
-    if any(map(_CONTROL_PLUGIN.search, plugins)) or model.robot.find_child("mujoco") is not None:
+    # A file of no package, as one for learning, keeps the plugins of the description that it was made from.
+    is_loaded = model.source.package is not None and any(map(_CONTROL_PLUGIN.search, plugins))
+    if is_loaded or model.robot.find_child("mujoco") is not None:
         return True
+    if model.source.package is None:
+        return False
     return model.robot.find_child("transmission") is not None and is_started_in_simulator(model)
 
 

@@ -13,7 +13,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
-from urdfcheck.source.package.package_folders import is_rosbuild_package
+from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
@@ -33,6 +33,8 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
+from urdfcheck.source.uses_elsewhere import is_left_aside
+from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
@@ -90,10 +92,12 @@ def _build_finding(
         if is_of_release and source.is_output_of_xacro
         else "files-released"
         if is_of_release
+        else "files-aside"
+        if kind == "files" and not near and not here and is_left_aside(source)
         else kind
     )
     # The meshes of a declared package are missing only until it is installed.
-    lost = message in {"files", "files-released", "nameless"}
+    lost = message in {"files", "files-released", "files-aside", "nameless"}
     # Without a package the model may be for programs that need none.
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
@@ -105,8 +109,7 @@ def _build_finding(
         repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
     clone = _find_rosbuild_folder(source, package, at)
     if clone is not None and kind == "expansion":
-        repair = f"rename the folder {clone} to {package}: a package of rosbuild (manifest.xml) has the name of its folder; or "
-        repair += "add a package.xml with this name"
+        repair = _describe_rosbuild_repair(source, package, clone)
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
     finding = rule.finding(
@@ -114,7 +117,7 @@ def _build_finding(
         at=at,
         related=[*related, *places],
         edits=_propose_edits(uses, package, near),
-        severity=_grade(message, is_outside=bool(is_outside)),
+        severity=_grade(message, is_outside=bool(is_outside), is_old=_find_rosbuild_package(source) is not None),
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
         manifest="package.xml"
@@ -143,9 +146,14 @@ def _build_finding(
     return replace(finding, blocks_check=True) if message == "expansion-declared" else finding
 
 
-def _grade(message: str, *, is_outside: bool) -> Severity | None:
-    """Return the severity of a message; None for that of the rule."""
-    if message in {"files-declared", "files-recorded", "rosbuild", "expansion-declared"}:
+def _grade(message: str, *, is_outside: bool, is_old: bool) -> Severity | None:
+    """Return the severity of a message; None for that of the rule.
+
+    ``is_old``: whether the model is in a package of rosbuild: a released package is then one of that time, installed then.
+    """
+    if message in {"files-declared", "files-recorded", "files-aside", "rosbuild", "expansion-declared"}:
+        return Severity.INFO
+    if message == "files-released" and is_old:
         return Severity.INFO
     return Severity.WARNING if is_outside or message == "files-released" else None
 
@@ -242,12 +250,38 @@ def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
     return bool(package) and len(folders) == 1 and all(map(is_rosbuild_package, folders))
 
 
-def _find_rosbuild_folder(source: Source, package: str, at: Location) -> str | None:
-    """Return the name of a folder around the model that is a package of rosbuild and has the file typed after ``$(find …)``."""
+def _find_rosbuild_folder(source: Source, package: str, at: Location) -> Path | None:
+    """Return the folder around the model that is a package of rosbuild and has the file typed after ``$(find …)``."""
     inside = _read_path_behind(at, source)
     folders = [] if source.package is not None or not package or not inside else source.finder.list_parent_folders()
     own = (f for f in folders if is_rosbuild_package(f) and source.finder.can_open(f / inside))
-    return next((f.name for f in own if (f / inside).is_file()), None)
+    return next((f for f in own if (f / inside).is_file()), None)
+
+
+def _find_rosbuild_package(source: Source) -> Path | None:
+    """Return the package of rosbuild that the model is in."""
+    return next(filter(is_rosbuild_package, source.finder.list_parent_folders()), None)
+
+
+def _describe_rosbuild_repair(source: Source, package: str, folder: Path) -> str:
+    """Say how a package of rosbuild in a folder of another name is found: by that name, if files in it use it already."""
+    own = "a package of rosbuild (manifest.xml) has the name of its folder"
+    used = re.compile(rf"(?:\$\(find\s+|package://){re.escape(folder.name)}(?![\w-])")
+    texts = read_package_texts(folder, source.finder.can_open)
+    if any(map(used.search, texts)) or any(used.search(text) for text in _read_models(folder, source)):
+        return f"write {folder.name} instead of {package}, the name that other files of the folder use: {own}"
+    return f"rename the folder {folder.name} to {package}: {own}; or add a package.xml with this name"
+
+
+def _read_models(folder: Path, source: Source) -> Iterator[str]:
+    """Read the models in a folder and below it."""
+    for here, _, names in walk(folder):
+        for path in (Path(here, name) for name in sorted(names) if name.endswith((".xacro", ".urdf", ".gazebo"))):
+            try:
+                if source.finder.can_open(path):
+                    yield read_regular(path).decode("utf-8", "replace")
+            except (OSError, FileTooLargeError):
+                continue
 
 
 def _find_owner(source: Source, at: Location) -> Package | None:

@@ -40,6 +40,9 @@ _BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
 _CALLED = re.compile(r"""<xacro:([^\s<>/"'=]+)""")
 _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"'<>]*)""")
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
+# A name that a file computes may be that of any model.
+_COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
+_MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
 # `name:=value` of a command, {"name": value} and name="…" of Python and CMake, name: of yaml.
 _PASSED = re.compile(r"""(?<!\w)([A-Za-z_]\w*)["']?\s*(?::?=|:)""")
 
@@ -147,6 +150,16 @@ def read_project_texts(source: Source) -> Iterator[str]:
         if folder != package.path and has_dependency(folder, package.name):
             finder.find(name)  # then it counts as found, and its files are in reach
             yield from read_package_texts(folder, finder.can_open)
+
+
+def is_left_aside(source: Source) -> bool:
+    """Whether files of the model's package, or of those that depend on it, name other models and not this one. False without
+    a package, and where one of them computes such a name."""
+    if source.package is None:
+        return False
+    texts = list(read_project_texts(source))
+    named = {name for text in texts for name in _MODEL_FILE.findall(text)}
+    return bool(named) and source.path.name not in named and not any(map(_COMPUTED_FILE.search, texts))
 
 
 def is_kept_output(source: Source) -> bool:

@@ -122,8 +122,8 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
 def _list_load_cases(com: Array, driven: Sequence[Wheel], tolerance: float) -> list[Array]:
     """List the places (3,) of the COM that are tried: as it is, or on either side of one axle that it is above.
 
-    Balanced on two wheels a robot tips to either side with the first movement. The corners that stand for a round wheel would hold
-    a COM that is higher than the axle and above one of their edges, which a wheel does not have: it is tried beyond the edge.
+    Balanced on two wheels a robot tips to either side with the first movement. The corners that stand for a round wheel would
+    hold a COM that is higher than the axle and above one of their edges, which a wheel does not have: it is tried beyond it.
     """
     import numpy as np
 
