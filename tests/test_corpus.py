@@ -84,14 +84,15 @@ def test_headlines_fit_into_a_line(runs: dict[str, Run]) -> None:
 
 
 def test_what_does_not_expand_is_a_located_finding(runs: dict[str, Run], corpus: Path) -> None:
-    """An undeclared prefix is a warning: the reference parser does not mind it. The rest are errors."""
+    """An undeclared prefix is a warning: the reference parser does not mind it. What only this machine lacks is an info that
+    keeps the model from being checked. The rest are errors."""
     broken = [e for e in list_robots(corpus) if not e["expands"]]
     if not broken:
         pytest.skip("all robots of this folder expand")
     for entry in broken:
         outcome = runs[entry["id"]]
         naming = [f for f in outcome.findings if f.code in {"XML001", "XML009", "XAC001", "XAC010", "XAC011", "PKG001"}]
-        assert any(f.severity >= Severity.WARNING for f in naming), entry["id"]
+        assert any(f.severity >= Severity.WARNING or f.blocks_check for f in naming), entry["id"]
         assert all(f.location.span is not None for f in naming), entry["id"]
 
 

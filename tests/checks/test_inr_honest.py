@@ -265,7 +265,7 @@ def test_a_com_that_disagrees_is_what_the_finding_says(tmp_path: Path) -> None:
 @pytest.mark.parametrize(("factor", "severity"), [(0.02, Severity.INFO), (0.005, Severity.WARNING)])
 def test_moments_a_hundred_times_too_small_are_a_warning(tmp_path: Path, factor: float, severity: Severity) -> None:
     own = uniform(geometry(CASTING).solid)
-    slanted = own.tensor * factor + np.diag((0.0, 0.0, 0.2 * factor * own.tensor[2, 2]))
+    slanted = own.tensor * factor + np.diag((0.3 * factor * own.tensor[0, 0], 0.0, 0.0))
     numbers = replace(own, com=own.com + np.array((0.013, -0.011, 0.007)), tensor=slanted)
     found = find(tmp_path, arm_on_base(format_inertial(numbers), drawn_boxes(CASTING)), {"INR009"})
     assert [(finding.message_id, finding.severity) for finding in found] == [("disagrees", severity)]
