@@ -46,9 +46,11 @@ class _ReadableNames:
     def mentions_elsewhere(self) -> XacroMentions:
         return collect_outside_mentions(self.source)
 
+    def is_read_here(self, name: str) -> bool:
+        return self.unknown or name in self.here
+
     def may_be_read(self, name: str) -> bool:
-        known = self.unknown or name in self.here
-        return known or not self.mentions_elsewhere.complete or name in self.mentions_elsewhere.names
+        return self.is_read_here(name) or not self.mentions_elsewhere.complete or name in self.mentions_elsewhere.names
 
 
 def check(source: Source, rule: Rule, *, rel_tol: float, visible: float) -> Iterator[Finding]:
@@ -99,7 +101,8 @@ def _check_constant(
     }
     removed = build_removal_edits(value.owner, source.files)
     is_read = off > rel_tol and names.may_be_read(name)
-    severity = None if is_read and off > visible else Severity.INFO
+    # What only another model of the package reads is measured there, if that does not define the name itself.
+    severity = None if is_read and names.is_read_here(name) and off > visible else Severity.INFO
     if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
         yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, severity=severity, **data)
