@@ -15,6 +15,11 @@ from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.uses_elsewhere import find_other_includers, iter_project_texts
 
+# What becomes of a block whose name the controllers have too: the hardware exports it, and nothing in the robot is called so.
+_AGREED = {
+    "ros2_control": "refuses the description since 4.13 (Jazzy): joint not found in URDF; older versions run, but RViz shows the "
+    "joint standing still"
+}
 # Files that name the joints of a robot for controllers.
 _CONTROLLER_SUFFIXES = frozenset({".yaml", ".yml"})
 
@@ -47,7 +52,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     severity=severity,
                     related=name.collect_definitions(),
                     edits=edit_value(name, meant) if meant is not None and not others and not sharing else (),
-                    consequences=consequences,
+                    consequences=_AGREED if sharing and tag == "ros2_control" else consequences,
                     joint=name.value,
                     block=block.get("name"),
                     near=hint,

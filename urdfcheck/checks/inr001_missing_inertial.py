@@ -10,8 +10,8 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.simulation_use import (
+    gives_gazebo_sdf,
     has_bare_joints,
-    is_left_out_of_gazebo,
     is_modelled_for_mujoco,
     is_started_in_simulator,
 )
@@ -44,7 +44,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             "kinematic"
             if _SIMULATORS.intersection(model.targets)
-            or (is_started_in_simulator(model) and not is_left_out_of_gazebo(model))
+            or (is_started_in_simulator(model) and not gives_gazebo_sdf(model))
             else "display",
             at=model.name_location,
             severity=Severity.INFO,

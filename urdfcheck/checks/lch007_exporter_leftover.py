@@ -9,7 +9,7 @@ from typing import Any
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.static_transforms import get_executable
-from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.distributions import is_only_before_noetic
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
@@ -51,8 +51,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
 
 def _is_documentation(path: Path) -> bool:
     """Whether a launch file is in a folder of documents of its project: a copy to read, which nothing starts."""
-    path, project = path.absolute(), find_project_folder(path).absolute()
-    folders = path.relative_to(project).parts[:-1] if path.is_relative_to(project) else ()
+    folders = Path(format_path(path)).parts[:-1]
     return not _DOCUMENT_FOLDERS.isdisjoint(folder.lower() for folder in folders)
 
 

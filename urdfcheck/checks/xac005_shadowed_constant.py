@@ -46,11 +46,9 @@ class _ReadableNames:
     def mentions_elsewhere(self) -> XacroMentions:
         return collect_outside_mentions(self.source)
 
-    def is_read_here(self, name: str) -> bool:
-        return self.unknown or name in self.here
-
     def may_be_read(self, name: str) -> bool:
-        return self.is_read_here(name) or not self.mentions_elsewhere.complete or name in self.mentions_elsewhere.names
+        known = self.unknown or name in self.here
+        return known or not self.mentions_elsewhere.complete or name in self.mentions_elsewhere.names
 
 
 def check(source: Source, rule: Rule, *, rel_tol: float, visible: float) -> Iterator[Finding]:
@@ -101,8 +99,8 @@ def _check_constant(
     }
     removed = build_removal_edits(value.owner, source.files)
     is_read = off > rel_tol and names.may_be_read(name)
-    # What only another model of the package reads is measured there, if that does not define the name itself.
-    severity = None if is_read and names.is_read_here(name) and off > visible else Severity.INFO
+    # A file that the model does not reach may read the name, and may define it itself.
+    severity = None if is_read and name in names.here and off > visible else Severity.INFO
     if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
         yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, severity=severity, **data)

@@ -162,12 +162,18 @@ def is_left_out_of_gazebo(model: Model) -> bool:
     ]
     if model.source.package is not None and not spawning and not blocks:
         return True
-    gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
-    if gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning)):
+    if gives_gazebo_sdf(model):
         return True
     simulated = {_cut_name(name) for text in texts if _GAZEBO.search(text) for name in _MODEL_FILE.findall(text)}
     loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in _MODEL_FILE.findall(text)}
     return bool(simulated) and own not in simulated | loaded
+
+
+def gives_gazebo_sdf(model: Model) -> bool:
+    """Whether files of the model's package, or of those that depend on it, give Gazebo an SDF and no robot_description."""
+    spawning = [text for text in _list_project_texts(model) if _GAZEBO.search(text)]
+    gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
+    return gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning))
 
 
 def _cut_name(file: str) -> str:

@@ -154,11 +154,8 @@ def read_project_texts(source: Source) -> Iterator[str]:
 
 def iter_project_texts(source: Source, file: Path | None = None) -> Iterator[tuple[Path, str]]:
     """Yield the texts of the packages of the model and of one of its files, with their paths."""
-    packages = {
-        one.path
-        for one in (source.package, None if file is None else source.finder.find_package_of(file.absolute()))
-        if one
-    }
+    found = (source.package, None if file is None else source.finder.find_package_of(file.absolute()))
+    packages = {package.path for package in found if package is not None}
     for folder in sorted(packages):
         yield from iter_package_texts(folder, source.finder.can_open)
 
