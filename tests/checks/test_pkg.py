@@ -1597,7 +1597,7 @@ def test_a_model_beside_the_one_that_is_loaded_lacks_no_package(
 def test_a_folder_of_rosbuild_keeps_the_name_that_its_files_use(tmp_path: Path, used: bool) -> None:
     folder = tmp_path / "cart_new"
     (folder / "urdf").mkdir(parents=True)
-    (folder / "manifest.xml").write_text("<package/>", encoding="utf-8")
+    (folder / "manifest.xml").write_text("<package><author>me</author></package>", encoding="utf-8")
     head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
     (folder / "urdf" / "wheel.xacro").write_text(f"{head}</robot>", encoding="utf-8")
     name = "cart_new" if used else "cart"
