@@ -410,3 +410,12 @@ def test_the_srdf_of_the_xacro_knows_the_overlaps_of_the_urdf_made_from_it(tmp_p
     (description / "arm.urdf.xacro").write_text(urdf)
     (finding,) = check(description / "arm.urdf", codes={"COL001"}).findings
     assert finding.severity is Severity.INFO
+
+
+@pytest.mark.parametrize("left_out", [True, False])
+def test_links_that_are_disabled_with_all_others_are_left_out(tmp_path: Path, left_out: bool) -> None:
+    more = "".join(make_box(f"n{i}", "0.1 0.1 0.1") + make_hinge("base", f"n{i}", f"0 {i + 2} 0") for i in range(20))
+    others = ("base", "fore") if left_out else ("base",)
+    pairs = "".join(pair(one, f"n{i}") for one in others for i in range(20)) + NEIGHBOURS + pair("base", "fore")
+    (finding,) = find_with_srdf(tmp_path, "COL003", pairs, make_two_bars(more=more))
+    assert finding.message_id == ("left-out" if left_out else "never")

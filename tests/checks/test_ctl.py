@@ -598,3 +598,15 @@ def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
 )
 def test_transmissions_of_other_readers_are_left_alone(tmp_path: Path, body: str) -> None:
     assert nesting(tmp_path, body + CLASSIC) == []
+
+
+@pytest.mark.parametrize("yaml_name", ["left_wheel_joint", "left_wheel"])
+def test_a_name_that_the_controllers_share_is_not_the_odd_one(tmp_path: Path, yaml_name: str) -> None:
+    """A joint that was renamed in the robot alone: the edit would take the interface from the controllers."""
+    body = control().replace("left_wheel", "left_wheel_joint")
+    (finding,) = find_in_cart(tmp_path, group(yaml_name, "right_wheel"), body, code="CTL001")
+    assert finding.fix is not None
+    is_shared = yaml_name == "left_wheel_joint"
+    assert bool(finding.fix.edits) != is_shared
+    assert ("c.yaml name" in finding.message) == is_shared
+    assert finding.fix.title.startswith("let the names agree" if is_shared else "write a joint of the robot")

@@ -967,3 +967,15 @@ def test_a_track_is_between_the_treads_whatever_the_sidewalls_are(tmp_path: Path
     assert finding.data["real"] == pytest.approx(0.5084)
     assert finding.fix is not None
     assert finding.fix.title.startswith("write 0.508 for wheel_separation")
+
+
+@pytest.mark.parametrize(("start", "says"), [("gzserver", "share one topic"), ("ros_gz_sim", "the second is dropped")])
+def test_classic_loads_two_sensors_of_one_name(tmp_path: Path, start: str, says: str) -> None:
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "launch/sim.launch.py": f"program = '{start}'",
+        "arm.urdf": robot(ARM, _SENSOR.format(name="imu") * 2),
+    }
+    (finding,) = find(tmp_path, files, "GZB004", name="arm.urdf")
+    assert says in finding.message
+    assert ("Classic" in finding.consequences["gazebo"]) == (start != "gzserver")

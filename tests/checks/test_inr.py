@@ -50,6 +50,13 @@ def fixed(name: str, content: str, parent: str = "arm") -> str:
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='arm.urdf'/></launch>"}, "kinematic"),
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='$(find arm)/arm.urdf'/></launch>"}, "kinematic"),
         ({"launch/sim.launch": "<launch>gazebo_ros <node args='$(find arm)/new/arm.urdf'/></launch>"}, "display"),
+        (
+            {
+                "launch/a.launch": "<launch>gazebo_ros <node args='arm.urdf'/></launch>",
+                "launch/b.launch": "<launch>gazebo_ros <node pkg='gazebo_ros' args='-file $(find arm)/arm.sdf'/></launch>",
+            },
+            "display",
+        ),
     ],
 )
 def test_a_robot_without_inertials_matters_where_it_is_simulated(

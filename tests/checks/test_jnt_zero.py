@@ -165,3 +165,14 @@ def chain(limits: list[str]) -> str:
 )
 def test_the_same_round_limits(tmp_path: Path, limits: list[str], is_reported: bool) -> None:
     assert len(find(tmp_path, chain(limits), "JNT020")) == is_reported
+
+
+@pytest.mark.parametrize(("manifest", "message"), [("setup.py", "meant"), ("README.md", "outside")])
+def test_programs_of_a_python_project_start_the_joints(tmp_path: Path, manifest: str, message: str) -> None:
+    (tmp_path / manifest).write_text("", encoding="utf-8")
+    text = ARM.format(limit='lower="0.5" upper="2"', kind="revolute", inner="", more=CONTROLLED)
+    path = tmp_path / "envs" / "arm.urdf"
+    path.parent.mkdir()
+    path.write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path, codes={"JNT019"}).findings
+    assert finding.message_id == message

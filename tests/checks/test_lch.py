@@ -863,3 +863,25 @@ def test_the_launch_file_of_the_first_car() -> None:
     (frame,) = (f for f in run.findings if f.code == "LCH005")
     assert frame.cause is not None
     assert frame.data["ground"] == pytest.approx(-0.030, abs=1e-5)
+
+
+@pytest.mark.parametrize("folder", ["launch", "Documentation/files"])
+def test_a_copy_in_a_folder_of_documents_is_not_started(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str
+) -> None:
+    node = '<node name="n" pkg="joint_state_publisher" type="joint_state_publisher"/>'
+    (tmp_path / folder).mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    found = find_in_launch(tmp_path / folder, f'<param name="use_gui" value="1"/>{node}', "LCH007")
+    assert bool(found) == (folder == "launch")
+
+
+@pytest.mark.parametrize(("inside", "near"), [('<link name="a"/>', "arm.xacro"), ("", "")])
+def test_a_file_of_macros_is_not_proposed_as_a_model(tmp_path: Path, inside: str, near: str) -> None:
+    macro = '<xacro:macro name="arm" params=""><link name="b"/></xacro:macro>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{macro}{inside}</robot>'
+    (tmp_path / "arm.xacro").write_text(text, encoding="utf-8")
+    body = '<param name="robot_description" command="xacro $(dirname)/arm.urdf"/>'
+    (finding,) = find_in_launch(tmp_path, body, "LCH001")
+    assert ("did you mean" in finding.message) == bool(near)
+    assert near in finding.message

@@ -1013,3 +1013,18 @@ def test_a_broken_mesh_may_be_what_a_test_needs(tmp_path: Path, folder: str) -> 
     (finding,) = check(tmp_path / folder / "r.urdf", codes={"MSH001"}).findings
     assert finding.fix is not None
     assert finding.fix.title.startswith("keep it if the test needs") == (folder == "test")
+
+
+@pytest.mark.parametrize(
+    ("role", "manifest", "message"),
+    [
+        ("visual", "<depend>gazebo_ros</depend>", "unit-drawn"),
+        ("collision", "<depend>gazebo_ros</depend>", "unit"),
+        ("visual", "<depend>pinocchio</depend>", "unit"),
+    ],
+)
+def test_a_unit_matters_where_a_program_ignores_it(tmp_path: Path, role: str, manifest: str, message: str) -> None:
+    (tmp_path / "package.xml").write_text(f"<package><name>arm</name>{manifest}</package>", encoding="utf-8")
+    links = ("", shape(role, "part.dae"))
+    (finding,) = find_in_mesh(tmp_path, "MSH008", collada(0.0254, 15.0), *links, name="part.dae", step=0.3)
+    assert finding.message_id == message

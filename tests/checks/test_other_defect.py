@@ -312,3 +312,16 @@ def test_a_turn_about_z_is_not_another_upward_axis(tmp_path: Path) -> None:
             f.cause.text for f in find(tmp_path, text, "INR009") if f.cause is not None and f.cause.id == "quarter_turn"
         ]
         assert [("upward axis" in text) for text in causes] == [is_upward]
+
+
+@pytest.mark.parametrize(("kind", "found"), [("universal", False), ("revolute", True)])
+def test_a_wheel_that_an_sdf_steers_and_rolls_has_two_axes(tmp_path: Path, kind: str, found: bool) -> None:
+    """The URDF has one joint for both, about which it shows how the wheel is steered."""
+    wheel = link("front_wheel", inertial(0.1, 1e-4), visual(cylinder(0.1, 0.02), rpy="1.5708 0 0"))
+    turns = joint("front_joint", "base", "front_wheel", kind="continuous", axis="0 0 1")
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "car.urdf": robot(link("base"), wheel, turns),
+        "model.sdf": f"<sdf><model><joint name='front_joint' type='{kind}'/></model></sdf>",
+    }
+    assert bool(find(tmp_path, files, "JNT015", name="car.urdf")) == found

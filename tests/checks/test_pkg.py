@@ -1564,3 +1564,49 @@ def test_a_path_into_a_release_matters_where_the_model_is_started(
     write(tmp_path, {"launch/a.launch.py": f"FILE = '{launch}'"})
     run = check(tmp_path, codes={"PKG004"})
     assert [f.severity for f in run.findings] == [severity]
+
+
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ("<param textfile='$(find arm)/urdf/arm.urdf'/>", Severity.INFO),
+        ("<param textfile='$(find arm)/urdf/old.urdf'/>", Severity.ERROR),
+        (
+            "<param textfile='$(find arm)/urdf/arm.urdf'/><param textfile='$(find arm)/urdf/$(arg model).urdf'/>",
+            Severity.ERROR,
+        ),
+        ("", Severity.ERROR),
+    ],
+)
+def test_a_model_beside_the_one_that_is_loaded_lacks_no_package(
+    tmp_path: Path, launch: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "launch/show.launch": f"<launch>{launch}</launch>",
+        "urdf/old.urdf": f'<robot name="r">{make_mesh_link("a", "package://gone/a.stl")}</robot>',
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "urdf" / "old.urdf", codes={"PKG001"}, root=tmp_path).findings
+    assert finding.severity == severity
+
+
+@pytest.mark.parametrize("used", [True, False])
+def test_a_folder_of_rosbuild_keeps_the_name_that_its_files_use(tmp_path: Path, used: bool) -> None:
+    folder = tmp_path / "cart_new"
+    (folder / "urdf").mkdir(parents=True)
+    (folder / "manifest.xml").write_text("<package><author>me</author></package>", encoding="utf-8")
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    (folder / "urdf" / "wheel.xacro").write_text(f"{head}</robot>", encoding="utf-8")
+    name = "cart_new" if used else "cart"
+    other = f'{head}<xacro:include filename="$(find {name})/urdf/wheel.xacro"/></robot>'
+    (folder / "urdf" / "other.xacro").write_text(other, encoding="utf-8")
+    text = f'{head}<xacro:include filename="$(find cart)/urdf/wheel.xacro"/><link name="a"/></robot>'
+    (folder / "urdf" / "r.urdf.xacro").write_text(text, encoding="utf-8")
+    (finding,) = check(folder / "urdf" / "r.urdf.xacro", codes={"PKG001"}, root=folder).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(
+        "write cart_new instead of cart" if used else "rename the folder cart_new to cart"
+    )

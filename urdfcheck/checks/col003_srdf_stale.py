@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import Applicability, Finding, Rule, Severity
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count, format_name_hint, join_names
@@ -29,6 +30,9 @@ _STALE = (
     "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling); "
     'write reason="User" where contact is meant, as of fingers'
 )
+
+# Links that collide; of a smaller robot one may touch none of the others (chosen: an arm with a gripper has a dozen).
+_LARGE = 20
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -113,15 +117,31 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
         if judged.reason is None and first_hit is not None:
             missed[frozenset(judged.pair.links)] = judged.pair, first_hit
     for srdf in srdfs:
+        left_out = _list_left_out(model, srdf)
         for reason in REASONS:
             hidden = [(p, *missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
             hidden.sort(key=lambda item: -item[1].hit_count)
-            drawn_apart = [reason == "Never" and is_drawn_apart(self_collisions(model), pair) for _, pair, _ in hidden]
-            for apart in (False, True):
-                group = [item for item, is_apart in zip(hidden, drawn_apart, strict=True) if is_apart is apart]
-                if group:
-                    yield _build_hidden_finding(model, rule, group, "enclosed" if apart else reason.lower())
+            messages = [_find_message(model, reason, item[1], left_out) for item in hidden]
+            for message in dict.fromkeys(sorted(messages, key=(reason.lower(), "left-out", "enclosed").index)):
+                group = [item for item, own in zip(hidden, messages, strict=True) if own == message]
+                yield _build_hidden_finding(model, rule, group, message)
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _find_message(model: Model, reason: str, pair: CollisionPair, left_out: AbstractSet[str]) -> str:
+    if reason == "Never" and is_drawn_apart(self_collisions(model), pair):
+        return "enclosed"
+    return "left-out" if reason == "Never" and left_out.issuperset(pair.links) else reason.lower()
+
+
+def _list_left_out(model: Model, srdf: Srdf) -> set[str]:
+    """List the links of a large robot that are disabled with every other link: they were left out as a whole, not by sampling."""
+    solid = {link.name for link in model.links if link.collisions}
+    partners: dict[str, set[str]] = {}
+    for pair in srdf.disabled_pairs:
+        for name, other in (pair.links, pair.links[::-1]):
+            partners.setdefault(name, set()).add(other)
+    return {name for name, others in partners.items() if len(solid) >= _LARGE and solid - {name} <= others}
 
 
 def _build_hidden_finding(

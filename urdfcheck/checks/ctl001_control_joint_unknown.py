@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -12,7 +13,15 @@ from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.uses_elsewhere import find_other_includers
+from urdfcheck.source.uses_elsewhere import find_other_includers, iter_project_texts
+
+# What becomes of a block whose name the controllers have too: the hardware exports it, and nothing in the robot is called so.
+_AGREED = {
+    "ros2_control": "refuses the description since 4.13 (Jazzy): joint not found in URDF; older versions run, but RViz shows the "
+    "joint standing still"
+}
+# Files that name the joints of a robot for controllers.
+_CONTROLLER_SUFFIXES = frozenset({".yaml", ".yml"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -36,16 +45,23 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 meant = find_only_near_name(name.value, free, SLIP_LIKENESS)
                 taken |= {meant or ""}
                 others = _find_other_robots(model, name)
+                sharing = _list_sharing_files(model, name, meant)
                 yield rule.finding(
                     tag,
                     at=name,
                     severity=severity,
                     related=name.collect_definitions(),
-                    edits=edit_value(name, meant) if meant is not None and not others else (),
-                    consequences=consequences,
+                    edits=edit_value(name, meant) if meant is not None and not others and not sharing else (),
+                    consequences=_AGREED if sharing and tag == "ros2_control" else consequences,
                     joint=name.value,
                     block=block.get("name"),
                     near=hint,
+                    also=f"; {join_names(sharing)} {'names' if len(sharing) == 1 else 'name'} it too"
+                    if sharing
+                    else "",
+                    repair=_describe_agreement(name.value, meant, sharing)
+                    or f"write a joint of the robot{hint} instead of "
+                    f"{name.value!r}, or delete the {'transmission' if tag == 'transmission' else 'entry'}",
                     shared=f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too"
                     if others
                     else "",
@@ -59,6 +75,33 @@ def _find_other_robots(model: Model, name: Attribute) -> list[str]:
     """List the other files that include the one with a name: there it may be right."""
     span, via = name.span, name.location.via
     return find_other_includers(model.source, span.file) if span is not None and via else []
+
+
+def _list_sharing_files(model: Model, name: Attribute, meant: str | None) -> list[str]:
+    """List the controllers and other files that have an unknown name too, and not the joint that it resembles: there the joint is
+    the odd one."""
+    if meant is None:
+        return []
+    file = None if name.span is None else model.source.files.get(name.span.file)
+    here = {one.path.absolute() for one in (model.source.files.values())}
+    word, other = (re.compile(rf"(?<![\w.-]){re.escape(text)}(?![\w.-])") for text in (name.value, meant))
+    found = dict.fromkeys(
+        path.name
+        for path, text in iter_project_texts(model.source, None if file is None else file.path)
+        if path.suffix in _CONTROLLER_SUFFIXES and path.absolute() not in here
+        if word.search(text) and not other.search(text)
+    )
+    return sorted(found)
+
+
+def _describe_agreement(name: str, meant: str | None, sharing: list[str]) -> str:
+    """Say that names disagree, and which files use which; nothing where no other file has the unknown one."""
+    if not sharing:
+        return ""
+    return (
+        f"let the names agree: rename the joint {meant} to {name}, as this block and {join_names(sharing)} name it, "
+        f"or write {meant} in all of these"
+    )
 
 
 def _collect_named_joints(model: Model, tag: str) -> set[str]:

@@ -9,7 +9,12 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
-from urdfcheck.model.simulation_use import has_bare_joints, is_modelled_for_mujoco, is_started_in_simulator
+from urdfcheck.model.simulation_use import (
+    gives_gazebo_sdf,
+    has_bare_joints,
+    is_modelled_for_mujoco,
+    is_started_in_simulator,
+)
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # The targets that simulate robots.
@@ -37,7 +42,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             return
         solid = all(has_collision_geometry(model, body) for body in moving)
         yield rule.finding(
-            "kinematic" if _SIMULATORS.intersection(model.targets) or is_started_in_simulator(model) else "display",
+            "kinematic"
+            if _SIMULATORS.intersection(model.targets)
+            or (is_started_in_simulator(model) and not gives_gazebo_sdf(model))
+            else "display",
             at=model.name_location,
             severity=Severity.INFO,
             consequences={"mujoco": INFERS if solid else REFUSES},

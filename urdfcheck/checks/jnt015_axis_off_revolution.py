@@ -22,6 +22,7 @@ from urdfcheck.model.likeness.shape_comparison import list_alike_links
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.simulation_use import is_steered_in_sdf
 from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
 
 if TYPE_CHECKING:
@@ -84,6 +85,8 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
     for joint in wheels:
         if len(upright) == 1 and joint is upright[0] and len(wheels) == 3:
             continue  # the steered wheel of a tricycle, with one joint for both
+        if joint in upright and is_steered_in_sdf(model, joint.name):
+            continue  # the URDF shows how it is steered, and the SDF has a second axis for rolling
         yield from _check_wheel(model, rule, joint, limit=math.radians(limit), eccentric=eccentric)
 
 

@@ -20,6 +20,8 @@ from urdfcheck.model.simulation_use import (
 from urdfcheck.source.text.values import parse_number
 
 _LEAST_LEGS = 4
+# Folders above a file that are looked through for the manifest of a project.
+_LEVELS = 6
 # The words of joints of a leg: two of a name are enough.
 _LEG_WORDS = frozenset({"knee", "tarsus", "shin", "calf", "ankle", "foot", "leg", "hip", "thigh", "kfe", "kfj"})
 # What starts joints at zero: hardware of ros2_control that stands for the real one, and the plugins of Gazebo that drive joints.
@@ -42,7 +44,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
     if outside:
         is_near = all(_is_near(joint, near, notable) for joint in outside)
         is_meant = _are_legs(outside) or has_bare_joints(model) or is_started_elsewhere(model)
-        is_meant |= model.source.package is None and not _is_started_by_controllers(model)
+        is_meant |= _is_of_python_project(model)
         message = "near" if is_near else "meant" if is_meant else "outside"
         is_far = any(_measure_share(joint) > notable for joint in outside)
         is_warning = message == "outside" and is_far and _is_started_by_controllers(model)
@@ -66,13 +68,22 @@ def _is_started_by_controllers(model: Model) -> bool:
         for block in model.robot.find_children("gazebo")
         for plugin in block.find_children("plugin")
     ]
-    # A file of no package, as one for learning, keeps the plugins of the description that it was made from.
-    is_loaded = model.source.package is not None and any(map(_CONTROL_PLUGIN.search, plugins))
-    if is_loaded or model.robot.find_child("mujoco") is not None:
+    if any(map(_CONTROL_PLUGIN.search, plugins)) or model.robot.find_child("mujoco") is not None:
         return True
-    if model.source.package is None:
-        return False
     return model.robot.find_child("transmission") is not None and is_started_in_simulator(model)
+
+
+def _is_of_python_project(model: Model) -> bool:
+    """Whether the file is in no package of ROS, but in a project of Python: its programs put the joints where they start, and the
+    plugins of the description that it was made from do not run."""
+    if model.source.package is not None:
+        return False
+    manifests = [
+        folder / name
+        for folder in model.source.path.absolute().parents[:_LEVELS]
+        for name in ("setup.py", "pyproject.toml")
+    ]
+    return any(model.source.finder.can_open(path) and path.is_file() for path in manifests)
 
 
 def _are_legs(joints: Sequence[Joint]) -> bool:

@@ -32,7 +32,9 @@ from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import find_dependent
 from urdfcheck.source.text.tokens import locate_text
-from urdfcheck.source.text.xml import Element
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import defines_macros, has_parts
+from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # The characters of a command that a message shows.
 _SHOWN = 80
@@ -266,11 +268,23 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str
         if only is not None:
             return f" (the only file of this name here is {format_path(only)})"
         return f"; the folder {format_path(folder)} does not exist either"
+    # A file that only defines macros makes an empty robot.
+    names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
     if len(namesakes) == 1 and namesakes[0].endswith(_XACRO) and not (wanted.endswith(_XACRO) or is_expanded):
         return f" (there is {namesakes[0]!r}, which xacro must expand)"
     return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)
+
+
+def _is_of_macros(path: Path, finder: PackageFinder) -> bool:
+    """Whether a xacro file defines macros and makes no link and no joint."""
+    try:
+        text = read_regular(path).decode("utf-8", "replace") if finder.can_open(path) else ""
+        root = parse_xml(SourceFile(path, path.name, text))
+    except (OSError, FileTooLargeError, XmlError):
+        return False
+    return defines_macros(root) and not has_parts(root)
 
 
 def _find_only_file(name: str, finder: PackageFinder) -> Path | None:

@@ -6,12 +6,13 @@ import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.shapes.mesh_sizes import MeasuredMesh, MeshSizes, SizeLimits, measure_mesh_sizes
+from urdfcheck.model.simulation_use import reads_plain_numbers
 
 # What MoveIt does with a mesh that is only drawn.
 _DRAWN_ONLY = {"moveit": "loads no visual mesh"}
@@ -20,7 +21,7 @@ _DRAWN_ONLY = {"moveit": "loads no visual mesh"}
 def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: float) -> Iterator[Finding]:
     sizes = measure_mesh_sizes(model, largest=largest, ratio=ratio, smallest=smallest)
     yield from _check_invalid_units(model, rule)
-    yield from _check_units(rule, sizes)
+    yield from _check_units(model, rule, sizes)
     yield from _check_sizes(model, rule, sizes)
 
 
@@ -42,14 +43,14 @@ def _check_invalid_units(model: Model, rule: Rule) -> Iterator[Finding]:
         yield _set_all_subjects(finding, users)
 
 
-def _check_units(rule: Rule, sizes: MeshSizes) -> Iterator[Finding]:
+def _check_units(model: Model, rule: Rule, sizes: MeshSizes) -> Iterator[Finding]:
     """Report each unit other than the metre once for all files that declare it."""
     by_unit: dict[float, list[MeasuredMesh]] = {}
     for mesh in sizes.meshes:
         if mesh.unit is not None:
             by_unit.setdefault(mesh.unit, []).append(mesh)
     for unit, like in by_unit.items():
-        yield _build_unit_finding(rule, sizes.limits, unit=unit, meshes=like)
+        yield _build_unit_finding(model, rule, sizes.limits, unit=unit, meshes=like)
 
 
 def _check_sizes(model: Model, rule: Rule, sizes: MeshSizes) -> Iterator[Finding]:
@@ -123,7 +124,9 @@ def _describe_declaring_meshes(uses: list[MeshUse]) -> str:
     return f"mesh {names[0]} declares" if len(names) == 1 else f"meshes {join_names(names)} declare"
 
 
-def _build_unit_finding(rule: Rule, limits: SizeLimits, *, unit: float, meshes: Sequence[MeasuredMesh]) -> Finding:
+def _build_unit_finding(
+    model: Model, rule: Rule, limits: SizeLimits, *, unit: float, meshes: Sequence[MeasuredMesh]
+) -> Finding:
     """Compare the size in programs that read COLLADA's unit with that in programs that ignore it."""
     uses = [mesh.use for mesh in meshes]
     drawn = meshes[0].size
@@ -133,10 +136,13 @@ def _build_unit_finding(rule: Rule, limits: SizeLimits, *, unit: float, meshes: 
         (False, True): "it is wrong in RViz and right where the unit is ignored",
     }.get((limits.is_plausible(drawn), limits.is_plausible(plain)), "one of them is wrong")
     names = list(dict.fromkeys(use.name for use in uses))
+    # What is only drawn, and right where it is drawn, is wrong for programs that the project does not use.
+    is_drawn_right = not _has_collision(uses) and limits.is_plausible(drawn) and not reads_plain_numbers(model)
     finding = rule.finding(
-        "unit",
+        "unit-drawn" if is_drawn_right else "unit",
         at=uses[0].filename,
         related=[use.filename for use in uses[1:]],
+        severity=Severity.INFO if is_drawn_right else None,
         consequences=None if _has_collision(uses) else _DRAWN_ONLY,
         meshes=_describe_declaring_meshes(uses),
         unaware="Pinocchio, MoveIt and trimesh" if _has_collision(uses) else "Pinocchio and trimesh",

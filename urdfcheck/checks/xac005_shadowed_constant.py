@@ -99,7 +99,8 @@ def _check_constant(
     }
     removed = build_removal_edits(value.owner, source.files)
     is_read = off > rel_tol and names.may_be_read(name)
-    severity = None if is_read and off > visible else Severity.INFO
+    # A file that the model does not reach may read the name, and may define it itself.
+    severity = None if is_read and name in names.here and off > visible else Severity.INFO
     if is_read and name != "pi":
         edits = [] if value.span is None else [Edit(value.span, value.typed, constant.expression)]
         yield rule.finding("rounded" if off < 0.01 else "wrong", at=value, edits=edits, severity=severity, **data)

@@ -39,6 +39,9 @@ _ROS_CONTROL = re.compile(
 _COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tesseract|\bompl\b|curobo", re.IGNORECASE)
 # Programs that compute with masses without being simulators, in launch files and scripts.
 _DYNAMICS = re.compile(r"pinocchio|rbdl|\bkdl|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE)
+# Programs that draw a COLLADA file as if it were in metres, as targets and in manifests and scripts.
+_UNITLESS_TARGETS = frozenset({"pinocchio", "mujoco", "isaac", "newton", "drake", "yourdfpy", "trimesh"})
+_UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|pydrake|\bdrake\b|newton", re.IGNORECASE)
 # The program that publishes the frames of a robot and reads no mass.
 _STATE_PUBLISHER = re.compile(r"\b(?:robot_state_publisher|state_publisher)\b")
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
@@ -159,12 +162,18 @@ def is_left_out_of_gazebo(model: Model) -> bool:
     ]
     if model.source.package is not None and not spawning and not blocks:
         return True
-    gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
-    if gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning)):
+    if gives_gazebo_sdf(model):
         return True
     simulated = {_cut_name(name) for text in texts if _GAZEBO.search(text) for name in _MODEL_FILE.findall(text)}
     loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in _MODEL_FILE.findall(text)}
     return bool(simulated) and own not in simulated | loaded
+
+
+def gives_gazebo_sdf(model: Model) -> bool:
+    """Whether files of the model's package, or of those that depend on it, give Gazebo an SDF and no robot_description."""
+    spawning = [text for text in _list_project_texts(model) if _GAZEBO.search(text)]
+    gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
+    return gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning))
 
 
 def _cut_name(file: str) -> str:
@@ -239,6 +248,25 @@ def names_successor(model: Model) -> bool:
 def starts_classic(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, starts Gazebo Classic."""
     return any(map(_CLASSIC_START.search, _list_project_texts(model)))
+
+
+def is_steered_in_sdf(model: Model, joint: str) -> bool:
+    """Whether an SDF of the model's package, or of one that depends on it, gives a joint of this name two axes, or names it as
+    one that steers."""
+    name = re.escape(joint)
+    steered = re.compile(
+        rf"""<joint\s(?=[^<>]*name=["']{name}["'])[^<>]*type=["'](?:universal|revolute2)["']"""
+        rf"""|<\w*steering\w*>\s*{name}\s*<"""
+    )
+    return any(map(steered.search, _list_project_texts(model)))
+
+
+def reads_plain_numbers(model: Model) -> bool:
+    """Whether a program that ignores the unit of a COLLADA file is a target, or a file of the model's package, or of one that
+    depends on it, names one. True where the model has none."""
+    if model.source.package is None or _UNITLESS_TARGETS.intersection(model.targets):
+        return True
+    return any(map(_UNITLESS.search, _list_project_texts(model)))
 
 
 def names_mimic_engine(model: Model) -> bool:

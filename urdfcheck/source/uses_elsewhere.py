@@ -14,7 +14,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
-from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.package.package_folders import iter_package_texts, read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
@@ -150,6 +150,14 @@ def read_project_texts(source: Source) -> Iterator[str]:
         if folder != package.path and has_dependency(folder, package.name):
             finder.find(name)  # then it counts as found, and its files are in reach
             yield from read_package_texts(folder, finder.can_open)
+
+
+def iter_project_texts(source: Source, file: Path | None = None) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of the packages of the model and of one of its files, with their paths."""
+    found = (source.package, None if file is None else source.finder.find_package_of(file.absolute()))
+    packages = {package.path for package in found if package is not None}
+    for folder in sorted(packages):
+        yield from iter_package_texts(folder, source.finder.can_open)
 
 
 def is_left_aside(source: Source) -> bool:
