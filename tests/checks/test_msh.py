@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, inertial, joint, link, mesh, robot, visual
+from builders import find, inertial, joint, limit, link, mesh, robot, visual
 from conftest import check, check_text
 from scipy.spatial import ConvexHull
 
@@ -1016,15 +1016,19 @@ def test_a_broken_mesh_may_be_what_a_test_needs(tmp_path: Path, folder: str) -> 
 
 
 @pytest.mark.parametrize(
-    ("role", "manifest", "message"),
+    ("role", "manifest", "kind", "message"),
     [
-        ("visual", "<depend>gazebo_ros</depend>", "unit-drawn"),
-        ("collision", "<depend>gazebo_ros</depend>", "unit"),
-        ("visual", "<depend>pinocchio</depend>", "unit"),
+        ("visual", "<depend>gazebo_ros</depend>", "fixed", "unit-drawn"),
+        ("visual", "<depend>gazebo_ros</depend>", "revolute", "unit"),
+        ("collision", "<depend>gazebo_ros</depend>", "fixed", "unit"),
+        ("visual", "<depend>pinocchio</depend>", "fixed", "unit"),
     ],
 )
-def test_a_unit_matters_where_a_program_ignores_it(tmp_path: Path, role: str, manifest: str, message: str) -> None:
-    (tmp_path / "package.xml").write_text(f"<package><name>arm</name>{manifest}</package>", encoding="utf-8")
-    links = ("", shape(role, "part.dae"))
-    (finding,) = find_in_mesh(tmp_path, "MSH008", collada(0.0254, 15.0), *links, name="part.dae", step=0.3)
+def test_a_unit_matters_where_a_program_ignores_it(
+    tmp_path: Path, role: str, manifest: str, kind: str, message: str
+) -> None:
+    (tmp_path / "package.xml").write_text(f"<package><name>box</name>{manifest}</package>", encoding="utf-8")
+    (tmp_path / "part.dae").write_text(collada(0.0254, 15.0), encoding="utf-8")
+    parts = link("a", shape(role, "part.dae")), link("b"), joint("j", "a", "b", limit(0, 1), kind=kind, xyz="0.3 0 0")
+    (finding,) = find(tmp_path, robot(*parts), "MSH008")
     assert finding.message_id == message

@@ -131,7 +131,7 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
 def _find_message(model: Model, reason: str, pair: CollisionPair, left_out: AbstractSet[str]) -> str:
     if reason == "Never" and is_drawn_apart(self_collisions(model), pair):
         return "enclosed"
-    return "left-out" if reason == "Never" and left_out.issuperset(pair.links) else reason.lower()
+    return "left-out" if reason == "Never" and left_out >= set(pair.links) else reason.lower()
 
 
 def _list_left_out(model: Model, srdf: Srdf) -> set[str]:
