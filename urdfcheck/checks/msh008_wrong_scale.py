@@ -12,8 +12,10 @@ from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.shapes.mesh_sizes import MeasuredMesh, MeshSizes, SizeLimits, measure_mesh_sizes
-from urdfcheck.model.simulation_use import reads_plain_numbers
+from urdfcheck.model.simulation_use import names_unitless_program
 
+# Programs that draw a COLLADA file as if it were in metres.
+_UNITLESS = frozenset({"drake", "isaac", "mujoco", "newton", "pinocchio", "trimesh", "yourdfpy"})
 # What MoveIt does with a mesh that is only drawn.
 _DRAWN_ONLY = {"moveit": "loads no visual mesh"}
 
@@ -139,7 +141,7 @@ def _build_unit_finding(
     # A thing without joints that is only drawn, and right where it is drawn, is wrong for programs that the project does not use.
     is_thing = not any(joint.is_movable for joint in model.joints)
     is_drawn = is_thing and not _has_collision(uses) and limits.is_plausible(drawn)
-    is_drawn_right = is_drawn and not reads_plain_numbers(model)
+    is_drawn_right = is_drawn and not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
     finding = rule.finding(
         "unit-drawn" if is_drawn_right else "unit",
         at=uses[0].filename,

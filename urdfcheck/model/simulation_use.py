@@ -39,8 +39,7 @@ _ROS_CONTROL = re.compile(
 _COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tesseract|\bompl\b|curobo", re.IGNORECASE)
 # Programs that compute with masses without being simulators, in launch files and scripts.
 _DYNAMICS = re.compile(r"pinocchio|rbdl|\bkdl|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE)
-# Programs that draw a COLLADA file as if it were in metres, as targets and in manifests and scripts.
-_UNITLESS_TARGETS = frozenset({"pinocchio", "mujoco", "isaac", "newton", "drake", "yourdfpy", "trimesh"})
+# Programs that draw a COLLADA file as if it were in metres, in manifests and scripts.
 _UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|pydrake|\bdrake\b|newton", re.IGNORECASE)
 # The program that publishes the frames of a robot and reads no mass.
 _STATE_PUBLISHER = re.compile(r"\b(?:robot_state_publisher|state_publisher)\b")
@@ -261,12 +260,10 @@ def is_steered_in_sdf(model: Model, joint: str) -> bool:
     return any(map(steered.search, _list_project_texts(model)))
 
 
-def reads_plain_numbers(model: Model) -> bool:
-    """Whether a program that ignores the unit of a COLLADA file is a target, or a file of the model's package, or of one that
-    depends on it, names one. True where the model has none."""
-    if model.source.package is None or _UNITLESS_TARGETS.intersection(model.targets):
-        return True
-    return any(map(_UNITLESS.search, _list_project_texts(model)))
+def names_unitless_program(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, names a program that ignores the unit of a
+    COLLADA file. True where the model has no package."""
+    return model.source.package is None or any(map(_UNITLESS.search, _list_project_texts(model)))
 
 
 def names_mimic_engine(model: Model) -> bool:
