@@ -88,6 +88,13 @@ def load(path: str) -> str:
         # The shell splits what an argument holds, unless it is quoted.
         (f'<arg name="m" default="$(find car)/urdf/car.urdf x:=1"/>{XACRO.format("$(arg m)")}', None),
         (f'<arg name="m" default="$(find car)/urdf/car.urdf x:=1"/>{XACRO.format("&apos;$(arg m)&apos;")}', "file"),
+        (f'<arg name="m" default="&apos;$(find car)/urdf/car.urdf&apos; x:=1"/>{XACRO.format("$(arg m)")}', None),
+        # An empty default is a value still to be given, where it is to be the name of the file.
+        ('<arg name="m" default=""/><param name="robot_description" command="cat $(arg m)"/>', "unknown"),
+        ('<arg name="m" default=""/>' + load("$(find car)/urdf/$(arg m)"), "unknown"),
+        ('<arg name="m" default=""/>' + XACRO.format("$(find car)/urdf/$(arg m).urdf.xacro"), "unknown"),
+        ('<arg name="m" default=""/>' + load("$(find car)/urdf/$(arg m)cra.urdf"), "file"),
+        (load("$(find car)/urdf/"), "file"),
     ],
 )
 def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: str | None) -> None:

@@ -1067,6 +1067,18 @@ def test_a_project_with_another_name_than_the_package_installs_elsewhere(tmp_pat
     assert not findings(tmp_path, "PKG008")
 
 
+# A function of setup.py that lists the files of a folder.
+COLLECT = """
+def collect(top):
+    places = {}
+    for path in [f for f in glob(os.path.join(top, '**', '*'), recursive=True) if os.path.isfile(f)]:
+        place = os.path.join('share', 'p', os.path.dirname(path))
+        places.setdefault(place, []).append(path)
+    return list(places.items())
+
+"""
+
+
 @pytest.mark.parametrize(
     ("setup", "told"),
     [
@@ -1076,6 +1088,12 @@ def test_a_project_with_another_name_than_the_package_installs_elsewhere(tmp_pat
         ("setup(data_files=[(d, f) for d, f in files('.')])", False),
         ("setup(data_files=all_of('**/*'))", False),
         ("setup(data_files=", False),
+        (f"{COLLECT}setup(data_files=[] + collect('meshes'))", False),
+        (f"{COLLECT}setup(data_files=[] + collect(top='meshes'))", False),
+        (f"{COLLECT}setup(data_files=[] + collect('urdf'))", True),
+        (f"{COLLECT.replace('os.path.dirname', 'find_folder')}setup(data_files=collect('meshes'))", False),
+        ("d = []\nd.insert(0, ('share/p/meshes', ['meshes/a.stl']))\nsetup(data_files=d)", False),
+        ("d = {}\nd[place()] = ['meshes/a.stl']\nsetup(data_files=list(d.items()))", False),
     ],
 )
 def test_what_setup_py_installs(tmp_path: Path, setup: str, told: bool) -> None:

@@ -811,6 +811,21 @@ def test_a_missing_file_is_named_where_the_package_has_it(
     assert repair is None or finding.fix.title == repair
 
 
+@pytest.mark.parametrize(
+    "files", [("car/__init__.py", "urdf/parts.xacro"), ("car/__init__.py",), ("car/a.txt", "urdf/parts.xacro")]
+)
+def test_a_folder_of_modules_is_not_the_package_around_it(tmp_path: Path, files: tuple[str, ...]) -> None:
+    text = f'{HEAD}<xacro:include filename="$(find car)/urdf/parts.xacro"/></robot>'
+    write(tmp_path, {"urdf/r.urdf.xacro": text, **dict.fromkeys(files, "<robot/>")})
+    finding = only(check(tmp_path / "urdf/r.urdf.xacro", tmp_path, codes={"XAC001"}))
+    assert finding.message_id == "file-missing"
+    is_around = len(files) == 2 and files[0].endswith(".py")
+    assert str(finding.data["repair"]).startswith(
+        "keep the path, and add the package.xml of car" if is_around else "correct"
+    )
+    assert ("urdf/parts.xacro does: " in finding.message) == is_around
+
+
 # -- what nothing uses -----------------------------------------------------------------------------------------------------
 
 WHEEL = '<xacro:macro name="wheel" params="name"><link name="${name}"/></xacro:macro>\n'

@@ -235,7 +235,7 @@ def test_an_argument_that_cannot_be_known_is_left_to_the_models_default(package:
 
 @pytest.mark.parametrize("depth", [60])
 def test_arguments_that_multiply_each_other_end_soon(package: Path, depth: int) -> None:
-    for seed, kind in (("", "file"), ("x", "launch-time")):
+    for seed, kind in (("", "empty"), ("x", "launch-time")):
         rows = (
             "".join(f'<arg name="a{n}" default="{f"$(arg a{n + 1})" * 10}"/>' for n in range(depth))
             + f'<arg name="a{depth}" default="{seed}"/>'
@@ -252,6 +252,24 @@ def test_a_folder_named_like_a_substitution_is_no_trap(tmp_path: Path) -> None:
     (found,) = load_launch(path, PackageFinder(path, environment={})).descriptions
     assert found.unresolved is not None
     assert found.unresolved.kind == "launch-time"
+
+
+@pytest.mark.parametrize(
+    ("default", "word", "value"),
+    [
+        ("'0 0 3'", "xyz:=$(arg a)", "0 0 3"),
+        ("&quot;0 0 3&quot;", "xyz:=$(arg a)", "0 0 3"),
+        ("'0 0 3'", "xyz:=$(arg b)", "0 0 3"),
+        ("'0 0 3'", "xyz:=&quot;$(arg a)&quot;", "'0 0 3'"),
+        ("0 0 3", "xyz:='$(arg a)'", "0 0 3"),
+    ],
+)
+def test_the_quotes_of_an_argument_are_taken_away_where_the_command_is_split(
+    package: Path, default: str, word: str, value: str
+) -> None:
+    arguments = f'<arg name="a" default="{default}"/><arg name="b" default="$(arg a)"/>'
+    found = description(package, arguments + param(f"xacro $(find car)/urdf/car.urdf.xacro {word}"))
+    assert found.arguments == {"xyz": value}
 
 
 def test_a_command_whose_quotes_do_not_close_leads_to_no_model(package: Path) -> None:

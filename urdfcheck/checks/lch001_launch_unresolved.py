@@ -143,6 +143,9 @@ def _check_description(
             path
         ):  # one without a default gets its value at launch, or from that other file
             yield build_unknown(f"argument {obstacle.name!r} has no default")
+    elif obstacle.kind == "empty":  # like an argument without a default
+        if not is_included_by_sibling(path):
+            yield build_unknown(f"argument {obstacle.name!r} is empty")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file":

@@ -407,6 +407,11 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if package is not None and twin is not None:
         near = f", but another package {package.name} has it: {format_path(twin)}"
         correction = f"keep only the package {package.name} with {format_path(twin)}, or rename one of the two (PKG013)"
+    root_file = _find_above_python_package(failure.source, path) if package is None else None
+    if root_file is not None:
+        module, file = map(format_path, root_file)
+        near = f", but {file} does: {module} is a Python package, and the folder around it has no package.xml"
+        correction = f"keep the path, and add the package.xml of {root_file[0].name} beside {module}"
     same = next((name for name in beside if name != path.name and name.lower() == path.name.lower()), None)
     if same is not None:
         correction = f"write `{same}`, or rename the file: on Linux a capital letter is another one"
@@ -430,6 +435,19 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _find_above_python_package(source: Source, path: Path) -> tuple[Path, Path] | None:
+    """Return the folder that was taken for a package by its name, and the missing file in the folder around it.
+
+    A package of Python has in it a folder of the same name with its modules: without its package.xml that one is found.
+    """
+    normal = Path(os.path.normpath(path.absolute()))
+    for module in normal.parents:
+        file = module.parent / normal.relative_to(module)
+        if (module / "__init__.py").is_file() and source.finder.can_open(file) and file.is_file():
+            return module, file
+    return None
 
 
 def _find_in_namesake(source: Source, package: Package, path: Path) -> Path | None:

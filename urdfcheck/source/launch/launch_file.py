@@ -458,9 +458,18 @@ def _make_description(
     path = None if resolved is None else resolver.finder.find_source(Path(resolved))
     # The existence of a file out of reach is not probed: reading it is refused later.
     allowed = path is not None and resolver.finder.can_open(path)
-    if path is not None and (allowed or not path.is_absolute()) and not (allowed and os.path.isfile(path)):
-        unresolved = UnresolvedReason("file", format_path(path))
-        path = None
+    if path is not None and not (allowed and os.path.isfile(path)):
+        empty = resolver.find_empty_argument(file) if _has_no_name(resolved or "") else None
+        if empty is not None:
+            unresolved = UnresolvedReason("empty", empty)
+        elif allowed or not path.is_absolute():
+            unresolved = UnresolvedReason("file", format_path(path))
+        path = path if unresolved is None else None
     return DescriptionSource(
         at=at, words=words, file=file, path=path, arguments=dict(arguments or {}), unresolved=unresolved
     )
+
+
+def _has_no_name(path: str) -> bool:
+    """Whether a path ends where the name of a file begins, or has only the suffixes of one."""
+    return os.path.basename(path.strip())[:1] in {"", "."}

@@ -87,6 +87,7 @@ def describe_unresolved(obstacle: UnresolvedReason) -> str:
     return {
         "package": f"package {obstacle.name} is not found",
         "argument": f"argument {obstacle.name} has no value",
+        "empty": f"argument {obstacle.name} is empty",
         "file": f"{obstacle.name} does not exist",
         "circle": "the arguments refer to each other",
     }.get(obstacle.kind, "only known when it is launched")

@@ -16,6 +16,7 @@ _SUBSTITUTION = re.compile(r"\$\(([^()]*)\)")
 _NESTED = re.compile(r"\$\([^()]*(?:\([^()]*\)[^()]*)*\)")
 _ARGUMENT = re.compile(r"^\s*\$\((?:arg|var)\s+([^\s()]+)\s*\)\s*$")
 
+_ANY_ARGUMENT = re.compile(r"\$\((?:arg|var)\s+([^\s()]+)\s*\)")
 # An argument that is a word of a command line by itself.
 _WORD = re.compile(r"(?<!\S)\$\((?:arg|var)\s+([^\s()]+)\s*\)(?!\S)")
 
@@ -24,7 +25,8 @@ _WORD = re.compile(r"(?<!\S)\$\((?:arg|var)\s+([^\s()]+)\s*\)(?!\S)")
 class UnresolvedReason:
     """Why a path of a launch file could not be resolved.
 
-    ``kind``: package (``name`` is not found) | argument (``name`` has no value) | file (the path ``name`` does not exist) |
+    ``kind``: package (``name`` is not found) | argument (``name`` has no value) |
+    empty (``name``, which is to be the name of a file, is empty) | file (the path ``name`` does not exist) |
     circle (the arguments refer to each other) | launch-time (the substitution ``name`` is only known at launch).
     """
 
@@ -87,16 +89,29 @@ class SubstitutionResolver:
         return attribute
 
     def inline_words(self, text: str) -> str:
-        """Return a command line with those of its words that are arguments of several words as these are typed.
+        """Return a command line with those of its words that are arguments of several words as these are typed, and with those
+        of its arguments whose values have quotes.
 
-        The shell splits the line after its arguments are substituted.
+        The line is split, as a shell does it, after its arguments are substituted: the quotes of a value are taken away then.
         """
-        return _WORD.sub(self._inline_word, text)
+        return _ANY_ARGUMENT.sub(self._inline_quoted, _WORD.sub(self._inline_word, text))
 
     def _inline_word(self, word: re.Match[str]) -> str:
         name = word[1]
         typed = self.values[name].value if name in self.values else self.known.get(name, ("", None))[0]
         return typed if typed and len(typed.split()) > 1 and len(typed) <= MAX_LENGTH else word[0]
+
+    def _inline_quoted(self, argument: re.Match[str]) -> str:
+        value = self.resolve_text(argument[0]) or ""
+        return value if ('"' in value or "'" in value) and len(value) <= MAX_LENGTH else argument[0]
+
+    def find_empty_argument(self, text: str) -> str | None:
+        """Return the first argument in a text whose value is empty, or the one that its value consists of; None without one."""
+        for name in _ANY_ARGUMENT.findall(text):
+            value, _ = self.resolve_value(f"$(arg {name})")
+            if value is not None and not value.strip():
+                return str(name)
+        return None
 
     def resolve_text(self, text: str) -> str | None:
         """Return the text with its substitutions resolved, or None; then ``obstacle`` is the reason."""

@@ -201,6 +201,8 @@ class _SetupReader:
             if isinstance(owner, dict) and isinstance(key, str):
                 # Both branches of a condition are run: what one of them has put there stays.
                 owner[key] = [*owner[key], *value] if isinstance(value, list) and key in owner else value
+            elif isinstance(owner, dict):
+                self.is_complete = False
 
     # -- expressions -------------------------------------------------------------------------------------------
 
@@ -280,7 +282,8 @@ class _SetupReader:
         if isinstance(function, ast.Attribute) and not _is_module(function.value):
             return self.call_method(self.evaluate(function.value), name, arguments)
         if name in self.functions:
-            return self.call_function(self.functions[name], arguments)
+            named = {keyword.arg: self.evaluate(keyword.value) for keyword in node.keywords if keyword.arg}
+            return self.call_function(self.functions[name], arguments, named)
         if name == "join":
             return _join(arguments)
         if name in {"glob", "iglob"} and arguments and isinstance(arguments[0], str):
@@ -289,6 +292,8 @@ class _SetupReader:
             return [(posixpath.join(arguments[0], _ALL_BELOW), [_UNKNOWN], ["*"])]
         if name == "listdir" and arguments and isinstance(arguments[0], str):
             return ["*"]
+        if name == "dirname" and len(arguments) == 1 and isinstance(arguments[0], str):
+            return posixpath.dirname(arguments[0])
         if name in _SAME and len(arguments) == 1:
             return arguments[0]
         return [] if name in {"list", "dict"} and not arguments else _UNKNOWN
@@ -298,10 +303,15 @@ class _SetupReader:
         if isinstance(owner, list) and name in {"append", "extend"} and arguments:
             owner += [arguments[0]] if name == "append" else self.list_values(arguments[0]) or [_UNKNOWN]
             return None
+        if isinstance(owner, list) and name == "insert":
+            owner += arguments[1:2]
+            return None
         if isinstance(owner, dict):
             views = {"keys": list(owner), "values": list(owner.values()), "items": list(owner.items())}
             if name == "setdefault" and len(arguments) == 2 and isinstance(arguments[0], str):
                 return owner.setdefault(arguments[0], arguments[1])
+            if name in {"setdefault", "update"}:
+                self.is_complete = False
             return views.get(name, _UNKNOWN)
         if isinstance(owner, str):
             if name == "format" or owner == "":
@@ -311,7 +321,7 @@ class _SetupReader:
             return _join([owner, *arguments]) if name == "joinpath" else owner if name in _SAME else _UNKNOWN
         return _UNKNOWN
 
-    def call_function(self, function: ast.FunctionDef, arguments: list[Any]) -> Any:
+    def call_function(self, function: ast.FunctionDef, arguments: list[Any], named: dict[str, Any]) -> Any:
         if len(self.scopes) > _MOST_CALLS:
             raise _TooLongError
         names = [argument.arg for argument in function.args.args]
@@ -319,7 +329,7 @@ class _SetupReader:
         scope = {
             name: self.evaluate(node) for name, node in zip(names[len(names) - len(defaults) :], defaults, strict=True)
         }
-        self.scopes.append({**scope, **dict(zip(names, arguments, strict=False))})
+        self.scopes.append({**scope, **dict(zip(names, arguments, strict=False)), **named})
         try:
             self.run_body(function.body)
         except _ReturnReachedError as returned:
