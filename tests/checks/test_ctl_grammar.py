@@ -69,6 +69,13 @@ def test_what_the_parser_refuses(tmp_path: Path, control: str, messages: list[st
     assert all((f.severity is Severity.ERROR) == (f.message_id not in {"leader", "kinds"}) for f in findings)
 
 
+@pytest.mark.parametrize("plugin", ["gazebo_ros2_control/GazeboSystem", "gz_ros2_control/GazeboSimSystem"])
+def test_gazebo_loads_a_block_whatever_its_type_is(tmp_path: Path, plugin: str) -> None:
+    control = block(f"<hardware><plugin>{plugin}</plugin></hardware>", 'name="c" type="System"')
+    (finding,) = find_errors(tmp_path, control)
+    assert (finding.message_id, finding.severity) == ("type-simulated", Severity.INFO)
+
+
 def test_hardware_that_the_arguments_leave_out_is_a_warning(tmp_path: Path) -> None:
     choice = f"""<xacro:arg name="mode" default="true"/><xacro:if value="${{'$(arg mode)' == 'mock'}}">{HARDWARE}</xacro:if>"""
     text = ROBOT.format(block(choice)).replace("<robot ", '<robot xmlns:xacro="http://ros.org/wiki/xacro" ')

@@ -130,6 +130,18 @@ def test_a_project_that_starts_classic_needs_its_plugins(tmp_path: Path) -> None
     )
 
 
+def test_a_control_plugin_of_ros_1_is_deleted_where_that_of_ros_2_is_loaded(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text(MANIFEST.format("<export><build_type>ament_cmake</build_type></export>"))
+    (tmp_path / "classic.launch.py").write_text("Node(package='gazebo_ros', executable='spawn_entity.py')")
+    files = ("libgazebo_ros_control.so", "libgazebo_ros2_control.so")
+    body = "".join(f'<gazebo><plugin name="p{i}" filename="{name}"/></gazebo>' for i, name in enumerate(files))
+    (finding,) = find(tmp_path, robot(ARM, body, ROS1_PLUGIN), "GZB002")
+    title = finding.fix.title if finding.fix else ""
+    start = "for Gazebo Classic in ROS 2, delete gazebo_ros_control: gazebo_ros2_control is loaded already ("
+    assert title.startswith(start)
+    assert title.endswith("); replace gazebo_ros_laser by gazebo_ros_ray_sensor")
+
+
 def test_a_plugin_with_other_parameters_is_not_renamed(tmp_path: Path) -> None:
     body = '<gazebo><plugin name="p" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
     (finding,) = find(tmp_path, robot(ARM, body), "GZB002")

@@ -58,6 +58,19 @@ def test_the_part_s_own_numbers_with_two_decimals_are_no_other_formula(tmp_path:
     assert finding.cause.id == "rounded"
 
 
+@pytest.mark.parametrize(("others", "is_named"), [((), True), ((0.02, 0.3, 0.11), False)])
+def test_no_unit_is_named_for_a_placeholder_of_parts_of_all_sizes(
+    tmp_path: Path, others: tuple[float, ...], is_named: bool
+) -> None:
+    """At 5 kg the right moments of a ball of 5 cm are 0.005."""
+    parts = [link("base")]
+    for i, radius in enumerate((0.05, *others)):
+        parts += [link(f"part{i}", inertial(5, 5), visual(sphere(radius)))]
+        parts += [joint(f"j{i}", "base", f"part{i}", kind="continuous", xyz=f"{i} 0 0", axis="0 0 1")]
+    causes = [f.cause.id for f in find(tmp_path, robot(*parts), {"INR009"}) if f.cause is not None]
+    assert causes == (["inertia_unit"] if is_named else [])
+
+
 def test_a_multiple_of_the_identity_with_three_decimals_was_not_rounded(tmp_path: Path) -> None:
     drawn = visual(box("0.12 0.12 0.05"))  # 0.0007, 0.0007 and 0.0012 at 0.5 kg
     assert [f.cause for f in find(tmp_path, arm_on_base(inertial(0.5, 0.001), drawn), {"INR009"}) if f.cause] == []

@@ -81,6 +81,15 @@ def find_odd_inertia(folder: Path, text: str, name: str = "robot.urdf") -> list[
     return find(folder, text, "SYM003", name=name)
 
 
+@pytest.mark.parametrize(("place", "count"), [("0 0.02 0", 0), ("0 0 0", 1)])
+def test_a_com_of_the_link_s_own_mesh_is_not_odd(tmp_path: Path, place: str, count: int) -> None:
+    """Four links draw one file; the collision mesh of one is in another place, and its COM was computed there."""
+    centre = np.mean(LUMP, axis=0)
+    own = drawn() + collision(mesh("lump.stl"), xyz=place) + make_lump_inertial(com=centre + np.array((0, 0.02, 0)))
+    links = {name: drawn() + make_lump_inertial(com=centre) for name in FOUR}
+    assert len(find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **links | {"rr": own}))) == count
+
+
 @pytest.mark.parametrize("height", [0.0005, 0.0015, 0.03])
 def test_a_com_with_the_numbers_of_the_others_stays_where_the_drawing_is_apart(tmp_path: Path, height: float) -> None:
     """The mass is another one; its author saw the mesh, and typed the tensor and the COM of the others."""

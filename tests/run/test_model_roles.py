@@ -394,6 +394,21 @@ def test_a_part_with_a_name_that_cannot_be_expanded_is_a_model_that_was_not_chec
     assert (list_errors(run), [m.path for m in run.models]) == ([], ["car.urdf.xacro"])
 
 
+def test_a_part_that_makes_transmissions_alone_is_in_the_model(package: Path) -> None:
+    """What completes a robot is as much of it as a link, also within a block of ros2_control and two files deep."""
+    macro = (
+        '<xacro:macro name="geared" params="ratio"><transmission name="t"><r>${ratio}</r></transmission></xacro:macro>'
+    )
+    part = xacro(macro + '<xacro:geared ratio="${gear}"/>', ' name="t"')
+    outer = xacro(f'<ros2_control name="c" type="system">{include("part.xacro")}</ros2_control>', "")
+    base = '<link name="base"/><xacro:property name="gear" value="9"/>'
+    write(package, {"car.urdf.xacro": xacro(base + include("outer.xacro")), "outer.xacro": outer, "part.xacro": part})
+    assert not check(Path("."), codes={"XML002"}).findings
+    write(package, {"car.urdf.xacro": xacro(base + unless_asked(include("part.xacro"))), "outer.xacro": xacro("", "")})
+    (finding,) = check(Path("."), codes={"XML002"}).findings
+    assert finding.model == "part.xacro"
+
+
 def test_a_condition_that_leaves_a_part_out_is_named(package: Path) -> None:
     part = xacro('<link name="${prefix}camera"/>', ' name="camera"')
     taken = '<xacro:arg name="cam" default="false"/><xacro:property name="prefix" value="a_"/>'

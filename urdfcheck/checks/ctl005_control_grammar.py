@@ -14,6 +14,8 @@ from urdfcheck.source.text.xml import Element
 # What `parse_resource_from_xml` reads; any other tag makes it throw.
 _TAGS = frozenset({"hardware", "properties", "joint", "sensor", "gpio", "transmission"})
 _TYPES = ("system", "sensor", "actuator")
+# The plugins of Gazebo go over all blocks and load these classes, and never read the type.
+_SIMULATED = ("gazebo_ros2_control/", "gz_ros2_control/", "ign_ros2_control/")
 _COMPONENTS = frozenset({"joint", "sensor", "gpio"})
 _INTERFACES = frozenset({"command_interface", "state_interface"})
 # Where the elements belong that are typed directly in a block.
@@ -63,7 +65,15 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
     yield from _require(rule, block, "type")
     kind = block.attributes.get("type")
     if kind is not None and kind.value.strip() not in _TYPES:
-        yield rule.finding("type", at=kind, name=block.get("name"), value=kind.value.strip())
+        loader = _find_simulator_class(block)
+        yield rule.finding(
+            "type-simulated" if loader else "type",
+            at=kind,
+            severity=Severity.INFO if loader else None,
+            name=block.get("name"),
+            value=kind.value.strip(),
+            plugin=loader,
+        )
     hardware = block.find_children("hardware")
     if not hardware:
         # A condition of xacro may leave it out with these arguments and not with those of a launch file.
@@ -79,6 +89,13 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
     for element in hardware:
         yield from _require_plugin(model, rule, element, block.get("name"))
         yield from _check_params(rule, element, block.get("name"))
+
+
+def _find_simulator_class(block: Element) -> str:
+    """Return the hardware class of a block that a plugin of Gazebo loads itself, by its class alone; empty for another one."""
+    plugins = (hardware.find_child("plugin") for hardware in block.find_children("hardware"))
+    classes = [plugin.text.strip() for plugin in plugins if plugin is not None]
+    return classes[0] if classes and all(name.startswith(_SIMULATED) for name in classes) else ""
 
 
 def _require(rule: Rule, element: Element, attribute: str, of: str = "") -> Iterator[Finding]:

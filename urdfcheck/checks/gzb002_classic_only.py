@@ -75,6 +75,8 @@ _CLASSIC_REPLACEMENTS = {
     "hector_gazebo_ros_imu": "gazebo_ros_imu_sensor",
     "hector_gazebo_ros_sonar": "gazebo_ros_ray_sensor",
 }
+# A robot needs one of these; there may be several cameras, lidars and other sensors.
+_LOADED_ONCE = frozenset({"gazebo_ros2_control", "gazebo_ros_diff_drive"})
 _CONTROL = {"filename": "gz_ros2_control-system", "name": "gz_ros2_control::GazeboSimROS2ControlPlugin"}
 # The library of a system in a replacement, and the beginnings of its names in other releases.
 _SYSTEM = re.compile(r"gz[\w-]*-system")
@@ -103,7 +105,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         # The hardware of gazebo_ros2_control is part of the same migration.
         related = [plugin for _, plugin in hardware] if _SUCCEEDED in plugins else []
         replacement = (
-            _describe_classic_replacements(old)
+            _describe_classic_replacements(old, plugins)
             if not _CLASSIC_REPLACEMENTS.keys().isdisjoint(old) and starts_classic(model)
             else _describe_replacements(plugins, _list_new_systems(gazebo))
         )
@@ -210,14 +212,22 @@ def _describe_replacements(plugins: Mapping[str, Sequence[Attribute]], present: 
     return "; ".join([*deleted, *(["replace " + "; ".join(replaced)] if replaced else [])])
 
 
-def _describe_classic_replacements(libraries: Iterable[str]) -> str:
-    """Return ``for Classic in ROS 2, replace a, b by X; c by Y``, where the robot is started there."""
+def _describe_classic_replacements(libraries: Iterable[str], present: Mapping[str, Sequence[Attribute]]) -> str:
+    """Return ``for Classic in ROS 2, delete a: X is loaded already (PLACE); replace b by Y``, where the robot is started there;
+    ``present``: the libraries that are loaded.
+    """
     by_replacement: dict[str, list[str]] = {}
+    deleted: list[str] = []
     for library in libraries:
-        if library in _CLASSIC_REPLACEMENTS:
-            by_replacement.setdefault(_CLASSIC_REPLACEMENTS[library], []).append(library)
+        replacement = _CLASSIC_REPLACEMENTS.get(library)
+        loaded = present[replacement][0].span if replacement in _LOADED_ONCE and replacement in present else None
+        if loaded is not None:
+            # A second one manages the same joints again, without the parameters of the first.
+            deleted.append(f"delete {library}: {replacement} is loaded already ({loaded.file}:{loaded.line})")
+        elif replacement is not None:
+            by_replacement.setdefault(replacement, []).append(library)
     replaced = "; ".join(f"{join_names(names)} by {how}" for how, names in by_replacement.items())
-    return f"for Gazebo Classic in ROS 2, replace {replaced}"
+    return "for Gazebo Classic in ROS 2, " + "; ".join([*deleted, *([f"replace {replaced}"] if replaced else [])])
 
 
 def _find_replacement(library: str) -> str:

@@ -285,6 +285,8 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
     """Whether a mistake of CAD programs leaves a tensor that is far from the drawn part's, or fits one that is computed in the
     file from the lengths of a box or a cylinder: then these lengths are others than the drawn ones."""
     diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, tensor.link)
+    if diagnosis.cause == "inertia_unit" and _is_typed_for_all(model, tensor, judged):
+        return True
     if (
         diagnosis.cause not in _CAD_MISTAKES
         or diagnosis.judged_by != "mesh"
@@ -296,6 +298,18 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
         return True
     moments = [tensor.element.attributes[name] for name in MOMENTS]
     return diagnosis.mended_tensor_mismatch > EXACT and all(map(is_computed_from_lengths, moments))
+
+
+def _is_typed_for_all(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether a tensor is a placeholder that more links have with this mass which no unit explains than links that one does:
+    their parts have other sizes, and one of all sizes fits by chance."""
+    if not is_placeholder(tensor, judged):
+        return False
+    own, known = (tensor.inertial.mass, tensor.components), inertial_diagnoses(model)
+    links = [one.link.name for one in model.tensors if (one.inertial.mass, one.components) == own]
+    unsound = [known[name].diagnosis for name in links if name in known and not known[name].diagnosis.sound]
+    mistake = (judged.diagnosis.cause, judged.diagnosis.detail)
+    return 2 * sum((one.cause, one.detail) == mistake for one in unsound) < len(unsound)
 
 
 def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial, *, far: float) -> bool:

@@ -24,7 +24,7 @@ from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
 from urdfcheck.model.shapes.repeated_drawings import do_drawings_overlap
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry, measure_role_geometry
 
 # The inertial of a real part, with its screws and bearings, is this near to that of a uniform part of the drawn shape. The
 # wrong one of two inertials is three times as far from it.
@@ -35,6 +35,8 @@ MAX_PLAUSIBLE_MISS = 1.0
 MIN_CERTAIN_MISS = 0.5
 # A COM so far from the drawn part's, as a share of its size, is not that of the part alone.
 _COM_APART = 0.05
+# And one so near is (chosen: the rounding of numbers and facets).
+_SAME_COM = 1e-3
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers. Nor does it make
 # a moment ten times as large where the masses are equal to this share.
 SLIPPED_POINT, _SAME_MASS = 9.9, 0.01
@@ -58,6 +60,8 @@ def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> 
         diagnosed = inertial_diagnoses(model).get(odd.link.name)
         if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
             continue  # its numbers fit its drawing: all others may have the same mistake
+        if _has_com_of_own_mesh(model, odd, note):
+            continue
         names = join_names(link.name for link in odd.by)
         why = f"{len(odd.by)} links that draw the same part ({names}) agree with each other"
         yield _build_outlier_finding(model, rule, odd, why=why, differ=differ, note=note)
@@ -175,6 +179,23 @@ def _has_com_apart(model: Model, comparison: CopyComparison) -> bool:
         return False
     apart = float(np.linalg.norm(comparison.actual.com - drawn.solid.com))
     return apart > _COM_APART * measure_extent(drawn.points)
+
+
+def _has_com_of_own_mesh(model: Model, odd: CopyComparison, note: float) -> bool:
+    """Whether a COM alone differs, and is that of a mesh of the link, which the others' is not: the part has another frame there,
+    or the drawing of another link was copied."""
+    if max(odd.deviation.mass, odd.deviation.spread) >= note:
+        return False
+    for role, shapes in (("visual", odd.link.visuals), ("collision", odd.link.collisions)):
+        if any(shape.mesh_filename is None for shape in shapes):
+            continue  # a box around a part says nothing about its COM
+        drawn = measure_role_geometry(model, odd.link, role)
+        if drawn is None or not drawn.closed:
+            continue
+        actual, expected = (float(np.linalg.norm(d.com - drawn.solid.com)) for d in (odd.actual, odd.expected))
+        if actual <= _SAME_COM * measure_extent(drawn.points) and expected > MIN_DEVIATION_RATIO * actual:
+            return True
+    return False
 
 
 def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_text
 from urdfcheck.source.load import Source
@@ -76,12 +78,23 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
 
 
 def collect_robot_files(source: Source) -> frozenset[str]:
-    """Return the names of the files of which a link or joint of the robot was made: typed there, or by a call there."""
-    files: set[str] = set()
-    for child in () if source.root is None else source.root.children:
-        if child.tag in {"link", "joint"}:
-            files.update(span.file for span in (child.span, *child.via) if span is not None)
-    return frozenset(files)
+    """Return the names of the files of which a link or joint of the robot was made: typed there, or by a call there.
+
+    Of a file that can make neither, a transmission, a block of Gazebo or what is within a block of ros2_control is enough.
+    """
+    children = () if source.root is None else source.root.children
+    completing = _collect_files(e for child in children if child.tag in _COMPLETING for e in child.walk())
+    return _collect_files(child for child in children if child.tag in {"link", "joint"}) | {
+        name
+        for name in completing
+        if (tree := source.trees.get(name)) is not None
+        and not any(element.tag == "link" or is_include(element) for element in tree.walk())
+    }
+
+
+def _collect_files(elements: Iterable[Element]) -> frozenset[str]:
+    """Return the names of the files in which elements are typed, or called."""
+    return frozenset(span.file for element in elements for span in (element.span, *element.via) if span is not None)
 
 
 def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
