@@ -56,7 +56,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             for joint in joints
             if joint.child in named
             or joint.name in kept
-            or (is_held and not WHEEL_NAME.search(f"{joint.name} {joint.child}") and joint.name not in commanded)
+            or (is_held and joint.name not in commanded and _may_be_held(joint, is_empty=is_empty))
             or joint.name in collect_reasoned_joints(model)
         ]
         yield build_group_finding(
@@ -72,6 +72,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             also=". Effort and velocity are 0 too" if is_empty else "",
             explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
         )
+
+
+def _may_be_held(joint: Joint, *, is_empty: bool) -> bool:
+    """Whether a joint that a robot with plugins holds at zero may be meant so: a hinge with a drive, or a suspension without one.
+
+    A wheel is not, nor a slide with a drive: a finger of a gripper.
+    """
+    return (is_empty or joint.type == "revolute") and not WHEEL_NAME.search(f"{joint.name} {joint.child}")
 
 
 def _are_of_one_macro(joints: Sequence[Joint]) -> bool:
