@@ -774,3 +774,11 @@ def test_a_name_that_only_sdf_refuses_matters_where_gazebo_is_used(
     text = robot(link("a"), link("b"), joint("b", "a", "b", kind="continuous"))
     (finding,) = check_text(tmp_path, text, codes={"KIN001"}, name="r.urdf").findings
     assert (finding.message_id, finding.severity) == ("shared", severity)
+
+
+def test_a_link_and_its_joint_that_are_there_twice_are_a_copy(tmp_path: Path) -> None:
+    part = '<link name="a"/><joint name="j" type="fixed"><parent link="base"/><child link="a"/></joint>'
+    run = check_text(tmp_path, f'<robot name="r"><link name="base"/>{part}{part}</robot>', codes={"KIN001"})
+    assert [f.fix.title for f in run.findings if f.fix and f.location.subject.startswith("link")] == [
+        "delete one with its joint j if it is a copy, or rename both"
+    ]

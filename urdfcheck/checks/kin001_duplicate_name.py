@@ -79,6 +79,8 @@ def _describe_renaming(first: Link | Joint, second: Link | Joint, held: Sequence
     """Say what another name for one of two parts takes. ``held``: the joints of which a link of this name is the child."""
     if first.element.attributes["name"].span == second.element.attributes["name"].span:
         return "include its file or call its macro once, or put a parameter that each call sets before the name: `${prefix}`"
+    if len(held) > 1 and len(set(held)) == 1:
+        return f"delete one with its joint {held[0]} if it is a copy, or rename both"
     if len(held) > 1:
         return f"rename one of them, and the child of the joint that holds it: {' or '.join(held[:2])}" + (
             "" if len(held) == 2 else f" or {len(held) - 2} more"
