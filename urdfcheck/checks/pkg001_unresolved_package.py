@@ -33,7 +33,7 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import is_left_aside
+from urdfcheck.source.uses_elsewhere import is_certainly_left_aside
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 # So many files are looked up in other packages to find the one that is meant.
@@ -93,7 +93,7 @@ def _build_finding(
         else "files-released"
         if is_of_release
         else "files-aside"
-        if kind == "files" and not near and not here and is_left_aside(source)
+        if kind == "files" and not near and not here and is_certainly_left_aside(source)
         else kind
     )
     # The meshes of a declared package are missing only until it is installed.

@@ -11,7 +11,7 @@ from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import read_project_texts
+from urdfcheck.source.uses_elsewhere import MODEL_FILE, name_other_models_only, read_project_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # Elements of a robot that only simulators read.
@@ -56,8 +56,6 @@ _FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
-# The names of model files, as launch files and scripts name them.
-_MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
 # A model of MuJoCo's own, as launch files and scripts name it.
 _SCENE = re.compile(r"(?<![\w-])(?!package\.)[\w-]+\.xml\b")
 _REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
@@ -94,7 +92,7 @@ def is_started_in_simulator(model: Model) -> bool:
 
 def _names_other_model(text: str, own: str) -> bool:
     """Whether a text names another model file, or one of MuJoCo's own format beside MuJoCo."""
-    if any(name != own for name in _MODEL_FILE.findall(text)):
+    if any(name != own for name in MODEL_FILE.findall(text)):
         return True
     return "mujoco" in text.lower() and _SCENE.search(text) is not None
 
@@ -117,8 +115,7 @@ def _has_elements(model: Model) -> bool:
 def is_left_aside(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, name other models and not this one: a copy for
     display, or for other programs."""
-    named = {name for text in _list_project_texts(model) for name in _MODEL_FILE.findall(text)}
-    return bool(named) and model.source.path.name not in named
+    return name_other_models_only(_list_project_texts(model), model.source.path.name)
 
 
 def is_named_in_package(model: Model) -> bool:
@@ -163,8 +160,8 @@ def is_left_out_of_gazebo(model: Model) -> bool:
         return True
     if gives_gazebo_sdf(model):
         return True
-    simulated = {_cut_name(name) for text in texts if _GAZEBO.search(text) for name in _MODEL_FILE.findall(text)}
-    loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in _MODEL_FILE.findall(text)}
+    simulated = {_cut_name(name) for text in texts if _GAZEBO.search(text) for name in MODEL_FILE.findall(text)}
+    loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in MODEL_FILE.findall(text)}
     return bool(simulated) and own not in simulated | loaded
 
 
@@ -213,7 +210,7 @@ def is_loaded_for_frames(model: Model) -> bool:
     naming = [text for text in texts if own.search(text)]
     if not naming or not all(_STATE_PUBLISHER.search(text) and not _reads_masses(text) for text in naming):
         return False
-    if any("robot_description" in text and not _MODEL_FILE.search(text) and _reads_masses(text) for text in texts):
+    if any("robot_description" in text and not MODEL_FILE.search(text) and _reads_masses(text) for text in texts):
         return False
     return not any(model.robot.find_child(tag) is not None for tag in ("gazebo", "ros2_control", "transmission"))
 

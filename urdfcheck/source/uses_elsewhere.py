@@ -6,7 +6,7 @@ A definition that no file of the model uses may be used by another model of the 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from functools import lru_cache
 from pathlib import Path
@@ -42,7 +42,8 @@ _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # A name that a file computes may be that of any model.
 _COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
-_MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
+# The names of model files, as launch files and scripts name them.
+MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
 # `name:=value` of a command, {"name": value} and name="…" of Python and CMake, name: of yaml.
 _PASSED = re.compile(r"""(?<!\w)([A-Za-z_]\w*)["']?\s*(?::?=|:)""")
 
@@ -160,14 +161,19 @@ def iter_project_texts(source: Source, file: Path | None = None) -> Iterator[tup
         yield from iter_package_texts(folder, source.finder.can_open)
 
 
-def is_left_aside(source: Source) -> bool:
+def is_certainly_left_aside(source: Source) -> bool:
     """Whether files of the model's package, or of those that depend on it, name other models and not this one. False without
     a package, and where one of them computes such a name."""
     if source.package is None:
         return False
     texts = list(read_project_texts(source))
-    named = {name for text in texts for name in _MODEL_FILE.findall(text)}
-    return bool(named) and source.path.name not in named and not any(map(_COMPUTED_FILE.search, texts))
+    return name_other_models_only(texts, source.path.name) and not any(map(_COMPUTED_FILE.search, texts))
+
+
+def name_other_models_only(texts: Iterable[str], own: str) -> bool:
+    """Whether texts name files of models, and not the ``own`` one."""
+    named = {name for text in texts for name in MODEL_FILE.findall(text)}
+    return bool(named) and own not in named
 
 
 def is_kept_output(source: Source) -> bool:
