@@ -7,6 +7,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+import trimesh
 from numpy.typing import NDArray
 
 from urdfcheck.facts.motion.collision import Colliders, Separation, list_all_pairs
@@ -115,6 +116,18 @@ def test_size_does_not_decide(scale: float) -> None:
         cubes = [CollisionGeometry(kind="mesh", vertices=CORNERS * 0.1 * scale, faces=FACES) for _ in range(2)]
         found = separation(cubes[0], cubes[1], at(0, 0, (0.1 + gap) * scale))
         assert (found is not None and found.depth > 0.0) == expected
+
+
+def test_what_else_a_robot_has_does_not_decide() -> None:
+    """Two jaws of 4 mm meet in as many triangles beside a base of 4 m: coal's tolerances are absolute."""
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=0.002)
+    jaw = CollisionGeometry(kind="mesh", vertices=np.array(ball.vertices), faces=np.array(ball.faces), closed=False)
+    jaws = [PlacedGeometry(jaw, owner, np.eye(4)) for owner in (0, 1)]
+    base = PlacedGeometry(mesh(4, 4, 4, closed=False), 2, np.eye(4))
+    frames = np.stack((np.eye(4), at(2e-5, 0, 0), at(10, 0, 0)))
+    alone, beside = (Colliders(placed).count_contacts(frames, 0, 1, 5000) for placed in (jaws, [*jaws, base]))
+    assert 0 < alone < 5000
+    assert beside == alone
 
 
 def test_a_surface_in_a_surface_is_not_met_and_a_solid_in_a_solid_is() -> None:

@@ -35,8 +35,9 @@ from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools, Indices, Mat4, Vec3
 
-# What coal computes distances and depths to, in its own unit of length.
-_TOLERANCE = 1e-6
+# coal's tolerances are absolute, 1e-6. Its unit of length is therefore about the radius of the smaller shape of a pair, rounded to a
+# power of 2 to this power, so that lengths are scaled exactly and a mesh has few trees.
+_UNIT_STEP = 3
 # Comparisons of spheres in one batch, to keep memory flat: 24 bytes each.
 _BATCH_SIZE = 500_000
 # What coal prepares for a pair of shapes is kept for this many pairs.
@@ -91,9 +92,9 @@ class Colliders:
         self._pose = np.array([p.pose for p in self.placed]).reshape(-1, 4, 4)
         self._owner = np.array([p.owner for p in self.placed], dtype=np.int64)
         self._count = np.bincount(self._owner)
-        # coal's tolerances are absolute: lengths are scaled to about 1, by a power of two and hence exactly.
-        self._unit = 2.0 ** round(math.log2(float(np.max(self._radius, initial=0.0)) or 1.0))
-        self._geometries: dict[int, Any] = {}
+        known = np.where(self._radius > 0, self._radius, 1.0)
+        self._units = 2.0 ** (_UNIT_STEP * np.round(np.log2(known) / _UNIT_STEP))
+        self._geometries: dict[tuple[int, float], Any] = {}
         self._functions: dict[tuple[int, int], Any] = {}
         self._request = coal.CollisionRequest()
         # Without contacts coal 3.0.3 misses some shapes that lie deep in others, with their axes in line.
@@ -223,11 +224,17 @@ class Colliders:
         if key not in self._functions:
             if len(self._functions) >= _MOST_FUNCTIONS:
                 self._functions.clear()
+            unit = self._get_unit(one, other)
             self._functions[key] = self._coal.ComputeCollision(
-                self._get_coal_geometry(one), self._get_coal_geometry(other)
+                self._get_coal_geometry(one, unit), self._get_coal_geometry(other, unit)
             )
         self._result.clear()
         return bool(self._functions[key](at_one, at_other, self._request, self._result))
+
+    def _has_collision_at(self, one: int, other: int, *, at_one: Mat4, at_other: Mat4) -> bool:
+        """Whether two shapes that are placed in one frame meet, as coal computes it."""
+        ends = (_to_coal_transform(self._coal, at, self._get_unit(one, other)) for at in (at_one, at_other))
+        return self._has_collision(one, other, at_one=next(ends), at_other=next(ends))
 
     def find_deepest_overlap(
         self, frames: Array, one: int, other: int, *, with_depth: bool = True
@@ -245,7 +252,7 @@ class Colliders:
             for a, at_a, b, at_b in placed
             if np.linalg.norm(self._compute_shape_centre(a, at_a) - self._compute_shape_centre(b, at_b))
             <= self._radius[a] + self._radius[b]
-            and self._has_collision(a, b, at_one=self._to_coal_transform(at_a), at_other=self._to_coal_transform(at_b))
+            and self._has_collision_at(a, b, at_one=at_a, at_other=at_b)
         ]
         for a, at_a, b, at_b in meeting:
             way = self._compute_separation(a, b, at_one=at_a, at_other=at_b, with_depth=with_depth or len(meeting) > 1)
@@ -287,7 +294,8 @@ class Colliders:
         if not contacts:
             return None
         rounding = float(self._compute_rounding(one, other))
-        point = np.mean([c.pos for c in contacts], axis=0) * self._unit
+        unit = self._get_unit(one, other)
+        point = np.mean([c.pos for c in contacts], axis=0) * unit
         if not np.isfinite(point).all():
             point = (at_one[:3, 3] + at_other[:3, 3]) / 2
 
@@ -296,7 +304,7 @@ class Colliders:
             return Separation(shapes=(one, other), depth=depth, normal=normal, point=point, size=size)
 
         if solid:
-            depth, normal = -contacts[0].penetration_depth * self._unit, np.array(contacts[0].normal)
+            depth, normal = -contacts[0].penetration_depth * unit, np.array(contacts[0].normal)
             # Where EPA fails, it reports a depth of 1e308 and a normal that is not finite.
             if np.isfinite(normal).all() and depth <= 2 * (self._radius[one] + self._radius[other]):
                 return separate_by(depth if depth > rounding else 0.0, normal)
@@ -308,9 +316,7 @@ class Colliders:
         def is_free(shift: Vec3) -> bool:
             moved = at_other.copy()
             moved[:3, 3] += shift
-            return not self._has_collision(
-                one, other, at_one=self._to_coal_transform(at_one), at_other=self._to_coal_transform(moved)
-            )
+            return not self._has_collision_at(one, other, at_one=at_one, at_other=moved)
 
         depth, normal = find_separating_translation(
             self.placed[one].geometry.corners @ at_one[:3, :3].T + at_one[:3, 3],
@@ -344,11 +350,12 @@ class Colliders:
         """List up to ``most`` of coal's contacts of two shapes."""
         request, result = self._coal.CollisionRequest(), self._coal.CollisionResult()
         request.num_max_contacts = most
+        unit = self._get_unit(one, other)
         self._coal.collide(
-            self._get_coal_geometry(one),
-            self._to_coal_transform(at_one),
-            self._get_coal_geometry(other),
-            self._to_coal_transform(at_other),
+            self._get_coal_geometry(one, unit),
+            _to_coal_transform(self._coal, at_one, unit),
+            self._get_coal_geometry(other, unit),
+            _to_coal_transform(self._coal, at_other, unit),
             request,
             result,
         )
@@ -367,28 +374,29 @@ class Colliders:
 
     def _compute_rounding(self, one: Any, other: Any) -> Array:
         """Return the overlap (m) that counts as none, for one or several pairs of shapes."""
-        smaller = np.minimum(self._radius[one], self._radius[other])
-        least: Array = np.maximum(ROUNDING * 2 * smaller, 2 * _TOLERANCE * self._unit)
-        return least
+        smaller: Array = np.minimum(self._radius[one], self._radius[other])
+        return ROUNDING * 2 * smaller
 
-    def _to_coal_transform(self, matrix: Array) -> Any:
-        return self._coal.Transform3s(np.ascontiguousarray(matrix[:3, :3]), matrix[:3, 3] / self._unit)
+    def _get_unit(self, one: int, other: int) -> float:
+        """Return coal's unit of length (m) for a pair of shapes."""
+        return float(min(self._units[one], self._units[other]))
 
     def _is_surface(self, shape: int) -> bool:
-        return isinstance(self._get_coal_geometry(shape), self._coal.BVHModelBase)
+        return isinstance(self._get_coal_geometry(shape, float(self._units[shape])), self._coal.BVHModelBase)
 
-    def _get_coal_geometry(self, shape: int) -> Any:
-        """Return coal's geometry of a shape, the same for all that share a `CollisionGeometry`."""
+    def _get_coal_geometry(self, shape: int, unit: float) -> Any:
+        """Return coal's geometry of a shape in ``unit`` (m), the same for all that share a `CollisionGeometry`."""
         geometry = self.placed[shape].geometry
-        if id(geometry) not in self._geometries:
-            self._geometries[id(geometry)] = self._build_coal_geometry(geometry)
-        return self._geometries[id(geometry)]
+        key = (id(geometry), unit)
+        if key not in self._geometries:
+            self._geometries[key] = self._build_coal_geometry(geometry, unit)
+        return self._geometries[key]
 
-    def _build_coal_geometry(self, geometry: CollisionGeometry) -> Any:
-        coal, size = self._coal, [s / self._unit for s in geometry.size]
+    def _build_coal_geometry(self, geometry: CollisionGeometry, unit: float) -> Any:
+        coal, size = self._coal, [s / unit for s in geometry.size]
         if geometry.vertices is None or geometry.faces is None:
             return build_coal_primitive(coal, geometry.kind, size)
-        vertices = np.ascontiguousarray(geometry.vertices / self._unit)
+        vertices = np.ascontiguousarray(geometry.vertices / unit)
         # Around each corner of a closed mesh there are as many triangles as neighbours.
         has_few_neighbours = np.bincount(geometry.faces.ravel()).max(initial=0) <= _MOST_NEIGHBOURS
         if geometry.closed and has_few_neighbours and is_convex(geometry.vertices, geometry.faces):
@@ -419,24 +427,31 @@ class CandidatePairs:
         self.pair, self.pose, self.one, self.other = pair, pose, one, other
         self._colliders = colliders
         self._one_column, self._other_column = one_column, other_column
-        self._turns, self._at = turns, at / colliders._unit
-        self._transforms: dict[tuple[int, int], Any] = {}
+        self._turns, self._at = turns, at
+        self._transforms: dict[tuple[int, int, float], Any] = {}
 
     def has_collision(self, row: int) -> bool:
         """Whether the two shapes meet, as coal computes it."""
-        n = int(self.pose[row])
+        n, one, other = int(self.pose[row]), int(self.one[row]), int(self.other[row])
+        unit = self._colliders._get_unit(one, other)
         return self._colliders._has_collision(
-            int(self.one[row]),
-            int(self.other[row]),
-            at_one=self._get_coal_transform(n, int(self._one_column[row])),
-            at_other=self._get_coal_transform(n, int(self._other_column[row])),
+            one,
+            other,
+            at_one=self._get_coal_transform(n, int(self._one_column[row]), unit),
+            at_other=self._get_coal_transform(n, int(self._other_column[row]), unit),
         )
 
-    def _get_coal_transform(self, configuration: int, column: int) -> Any:
-        key = (configuration, column)
+    def _get_coal_transform(self, configuration: int, column: int, unit: float) -> Any:
+        key = (configuration, column, unit)
         if key not in self._transforms:
-            self._transforms[key] = self._colliders._coal.Transform3s(self._turns[key], self._at[key])
+            at = self._at[configuration, column] / unit
+            self._transforms[key] = self._colliders._coal.Transform3s(self._turns[configuration, column], at)
         return self._transforms[key]
+
+
+def _to_coal_transform(coal: Any, matrix: Mat4, unit: float) -> Any:
+    """Return coal's transform of a placement whose lengths are in m, in ``unit`` (m)."""
+    return coal.Transform3s(np.ascontiguousarray(matrix[:3, :3]), matrix[:3, 3] / unit)
 
 
 def list_all_pairs(count: int) -> Indices:
