@@ -23,7 +23,7 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
-from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES
+from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -56,9 +56,18 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.package is not None and is_kept_aside(launch.path, launch.package.path):
         return
-    for finding in _check_launch(context, rule):
+    for found in _check_launch(context, rule):
+        finding = found if launch.dialect == "ros1" else _say_for_ros2(found)
         is_error = finding.severity > Severity.INFO
         yield replace(finding, **_LEFT_OVER) if launch.is_left_from_ros1 and is_error else finding
+
+
+def _say_for_ros2(finding: Finding) -> Finding:
+    """Return a finding with what ROS 2 does: roslaunch starts only files of ROS 1."""
+    effects = {("ros2_launch" if name == "roslaunch" else name): text for name, text in finding.consequences.items()}
+    if finding.message_id == "syntax":  # whether there is a robot in it is unknown
+        effects = {"ros2_launch": "refuses the launch file and starts nothing"}
+    return replace(finding, consequences=effects)
 
 
 def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -115,7 +124,9 @@ def _check_description(
             if checkout:
                 near, repair = " (its submodule is not checked out)", f"{checkout}, and {declare}"
             elif obstacle.name in read_released_packages() and not near:
-                repair = declare
+                # The file may be another robot's, copied as a beginning.
+                own = package is not None and _has_own_model(package)
+                repair = f"{declare} if that robot is meant, else name the model of this package" if own else declare
             else:
                 repair = add_checkout(f"correct the package name{near}, or {declare}", obstacle.name, launch.finder)
             yield rule.finding(
@@ -156,6 +167,11 @@ def _check_description(
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
         yield build_unknown(f"computed by `{typed}`")
+
+
+def _has_own_model(package: Package) -> bool:
+    """Whether a package has a model of its own."""
+    return any(name.endswith(MODEL_SUFFIXES) for name in index_files([package.path]))
 
 
 def _is_generated(name: str, launch: Path) -> bool:
