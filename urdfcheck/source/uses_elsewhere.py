@@ -144,8 +144,10 @@ def find_conditional_include(source: Source) -> tuple[Path, str] | None:
 
 
 def is_completed_by_includer(source: Source) -> bool:
-    """Whether a file includes this one under a condition and defines what this one lacks to be expanded: then it is a part of that
-    file's variants, and is never a robot by itself."""
+    """Whether a file includes this one under a condition and defines what this one lacks to be expanded.
+
+    Then it is a part of that file's variants, and is never a robot by itself.
+    """
     missing = {str(problem.data["argument"]) for problem in source.find_problems("argument-missing")}
     for problem in source.find_problems("expansion-failed"):
         match = _LACKING.search(problem.message)

@@ -444,7 +444,9 @@ def _list_unread_nodes(nodes: Sequence[ast.AST]) -> set[int]:
     """Return the nodes in the values of names that nothing reads, or only such a value: a path there is left over."""
     values: dict[str, list[ast.AST]] = {}
     for node in nodes:
-        targets = node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
         if isinstance(node, (ast.Assign, ast.AnnAssign)) and len(targets) == 1 and isinstance(targets[0], ast.Name):
             values.setdefault(targets[0].id, []).extend([node.value] if node.value is not None else [])
     reads = [node for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)]
@@ -452,7 +454,11 @@ def _list_unread_nodes(nodes: Sequence[ast.AST]) -> set[int]:
     while True:
         read = {node.id for node in reads if id(node) not in unread}
         further = {
-            id(inner) for name, found in values.items() if name not in read for value in found for inner in ast.walk(value)
+            id(inner)
+            for name, found in values.items()
+            if name not in read
+            for value in found
+            for inner in ast.walk(value)
         }
         if further <= unread:
             return unread
