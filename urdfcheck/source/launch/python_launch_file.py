@@ -204,7 +204,7 @@ class PythonLaunchReader:
                     continue
                 if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact, MODEL_SUFFIXES)):
                     missing[str(exact[0])] = node
-            elif isinstance(node, ast.Constant) and id(node) not in parts | unread and _is_model_path(node.value):
+            elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
                 unknown[str(node.value)] = node
         if models or missing:
             unknown = {}
