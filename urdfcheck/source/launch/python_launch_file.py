@@ -204,7 +204,7 @@ class PythonLaunchReader:
                     continue
                 if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact, MODEL_SUFFIXES)):
                     missing[str(exact[0])] = node
-            elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
+            elif isinstance(node, ast.Constant) and id(node) not in parts | unread and _is_model_path(node.value):
                 unknown[str(node.value)] = node
         if models or missing:
             unknown = {}
@@ -441,9 +441,13 @@ def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinde
 
 
 def _list_unread_nodes(nodes: Sequence[ast.AST]) -> set[int]:
-    """Return the nodes in the values of names that nothing reads, or only such a value: a path there is left over."""
+    """Return the nodes in the values of names of functions that nothing reads, or only such a value: a path there is left over.
+
+    Another file may read a name of the module.
+    """
     values: dict[str, list[ast.AST]] = {}
-    for node in nodes:
+    functions = [node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    for node in {id(inner): inner for function in functions for inner in ast.walk(function)}.values():
         targets = (
             node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
         )
