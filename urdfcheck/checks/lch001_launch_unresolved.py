@@ -39,6 +39,8 @@ from urdfcheck.system.files import FileTooLargeError, read_regular
 # The characters of a command that a message shows.
 _SHOWN = 80
 _XACRO = ".xacro"
+# What a launch file names, as a message calls it.
+_SRDF = "SRDF"
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
@@ -67,6 +69,8 @@ def _say_for_ros2(finding: Finding) -> Finding:
     effects = {("ros2_launch" if name == "roslaunch" else name): text for name, text in finding.consequences.items()}
     if finding.message_id == "syntax":  # whether there is a robot in it is unknown
         effects = {"ros2_launch": "refuses the launch file and starts nothing"}
+    elif finding.data.get("kind") == _SRDF:
+        effects = {"ros2_launch": "stops or starts everything except MoveIt"}
     return replace(finding, consequences=effects)
 
 
@@ -206,7 +210,7 @@ def _check_python_launch(
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
-            kind="SRDF" if path.lower().endswith(SRDF_SUFFIXES) else "model",
+            kind=_SRDF if path.lower().endswith(SRDF_SUFFIXES) else "model",
             **_describe_neighbours(path, finder, is_expanded=python.runs_xacro or message != "named"),
         )
     for named in python.unknown_models:
@@ -283,17 +287,24 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        only = _find_only_file(Path(path).name, finder)
-        if only is not None:
-            return f" (the only file of this name here is {format_path(only)})"
-        return f"; the folder {format_path(folder)} does not exist either"
+        return _describe_only_file(path, finder) or f"; the folder {format_path(folder)} does not exist either"
     # A file that only defines macros makes an empty robot.
     names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
     if len(namesakes) == 1 and namesakes[0].endswith(_XACRO) and not (wanted.endswith(_XACRO) or is_expanded):
         return f" (there is {namesakes[0]!r}, which xacro must expand)"
-    return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)
+    if len(namesakes) == 1:
+        return f" (did you mean {namesakes[0]!r}?)"
+    near = format_name_hint(wanted, namesakes or names)
+    # Many packages have a gazebo.launch: another one's is not meant.
+    return near or (_describe_only_file(path, finder) if wanted.endswith(MODEL_SUFFIXES) else "")
+
+
+def _describe_only_file(path: str, finder: PackageFinder) -> str:
+    """Name the file that a path may have meant, if the repository has one of this name elsewhere."""
+    only = _find_only_file(Path(path).name, finder)
+    return "" if only is None else f" (the only file of this name here is {format_path(only)})"
 
 
 def _is_of_macros(path: Path, finder: PackageFinder) -> bool:
