@@ -18,7 +18,7 @@ from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.srdf import (
     Srdf,
-    find_model_of_outdated_copy,
+    find_original_model,
     has_derived_model,
     is_about_model,
     is_configured_for,
@@ -136,7 +136,7 @@ def _check_unknown_names(
     if 2 * len(missing) > len(uses):
         return  # it is for another robot of this name
     is_certain = is_configured_for(srdf, model.source)
-    original = find_model_of_outdated_copy(srdf, model.source)
+    original = find_original_model(srdf, model.source)
     text = "" if original is None else _read_text(original)
     for index, ((kind, name), like) in enumerate(missing.items()):
         candidates = known[kind] - _list_names_beside(like) if index < MAX_HINTS else frozenset[str]()

@@ -217,7 +217,7 @@ def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
     return bool(found) and own.isdisjoint(found)
 
 
-def find_model_of_outdated_copy(srdf: Srdf, source: Source) -> Path | None:
+def find_original_model(srdf: Srdf, source: Source) -> Path | None:
     """Return the file that a semantic description was set up for where the model is another one beside the description.
 
     MoveIt's Setup Assistant writes such a copy for Gazebo (``config/gazebo_….urdf``), which nothing makes again.
