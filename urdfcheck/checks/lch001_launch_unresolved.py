@@ -174,7 +174,7 @@ def _check_description(
 
 
 def _has_own_model(package: Package) -> bool:
-    """Whether a package has a model of its own."""
+    """Whether a package has model files."""
     return any(name.endswith(MODEL_SUFFIXES) for name in index_files([package.path]))
 
 
