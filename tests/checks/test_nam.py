@@ -57,7 +57,7 @@ class TestNAM001:
             ("/arm", "leading_slash", Severity.WARNING),
             ("left::arm", "scope", Severity.WARNING),
             ("__arm__", "reserved", Severity.WARNING),
-            ("world", "world", Severity.WARNING),
+            ("world", "world", Severity.INFO),
             ("left/arm", "slash", Severity.INFO),
             ("2nd", "digit", Severity.INFO),
         ],
@@ -65,6 +65,14 @@ class TestNAM001:
     def test_kinds(self, tmp_path: Path, name: str, message: str, severity: Severity) -> None:
         (finding,) = check_text(tmp_path, model(name), codes={"NAM001"}).findings
         assert (finding.message_id, finding.severity) == (message, severity)
+
+    def test_a_world_that_is_no_root_is_a_warning_in_a_model_with_a_mass(self, tmp_path: Path) -> None:
+        """Without one the model is only drawn."""
+        mass = '<inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        text = model("world").replace('<link name="base"/>', f'<link name="base">{mass}</link>')
+        assert mass in text
+        (finding,) = check_text(tmp_path, text, codes={"NAM001"}).findings
+        assert (finding.message_id, finding.severity) == ("world", Severity.WARNING)
 
     @pytest.mark.parametrize(
         ("parent", "kind", "found"),

@@ -35,7 +35,7 @@ def only(run: Run) -> Finding:
         ('<xacro:macro name="m" params="a"><xacro:property name="p" value="1"/></xacro:macro><link name="${p}"/>',
          "undefined-name", "belongs to another macro"),
         ('<xacro:macro name="wheel" params=""/><xacro:weel/>', "unknown-macro", "'wheel'"),
-        ('<xacro:weel/>', "unknown-macro", "no file defines any macro"),
+        ('<xacro:weel/>', "unknown-macro", "in the file, nor any other"),
         ('<xacro:macro name="wheel" params="a bore"/><xacro:wheel a="1" bor="2"/>', "parameter-unknown", "'bore'"),
         ('<xacro:macro name="wheel" params="a b:=2 c"/><xacro:wheel a="1"/>', "parameters-missing", "macro wheel lacks c"),
         ('<xacro:macro name="wheel" params="*origin"/><xacro:wheel/>', "blocks", "Not enough blocks"),

@@ -23,7 +23,7 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
-from urdfcheck.source.package.file_kinds import SRDF_SUFFIXES
+from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -39,6 +39,8 @@ from urdfcheck.system.files import FileTooLargeError, read_regular
 # The characters of a command that a message shows.
 _SHOWN = 80
 _XACRO = ".xacro"
+# What a launch file names, as a message calls it.
+_SRDF = "SRDF"
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
@@ -56,9 +58,20 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.package is not None and is_kept_aside(launch.path, launch.package.path):
         return
-    for finding in _check_launch(context, rule):
+    for found in _check_launch(context, rule):
+        finding = found if launch.dialect == "ros1" else _say_for_ros2(found)
         is_error = finding.severity > Severity.INFO
         yield replace(finding, **_LEFT_OVER) if launch.is_left_from_ros1 and is_error else finding
+
+
+def _say_for_ros2(finding: Finding) -> Finding:
+    """Return a finding with what ROS 2 does: roslaunch starts only files of ROS 1."""
+    effects = {("ros2_launch" if name == "roslaunch" else name): text for name, text in finding.consequences.items()}
+    if finding.message_id == "syntax":  # whether there is a robot in it is unknown
+        effects = {"ros2_launch": "refuses the launch file and starts nothing"}
+    elif finding.data.get("kind") == _SRDF:
+        effects = {"ros2_launch": "stops or starts everything except MoveIt"}
+    return replace(finding, consequences=effects)
 
 
 def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
@@ -115,7 +128,9 @@ def _check_description(
             if checkout:
                 near, repair = " (its submodule is not checked out)", f"{checkout}, and {declare}"
             elif obstacle.name in read_released_packages() and not near:
-                repair = declare
+                # The file may be another robot's, copied as a beginning.
+                own = package is not None and _has_own_model(package)
+                repair = f"{declare} if that robot is meant, else name the model of this package" if own else declare
             else:
                 repair = add_checkout(f"correct the package name{near}, or {declare}", obstacle.name, launch.finder)
             yield rule.finding(
@@ -158,6 +173,11 @@ def _check_description(
         yield build_unknown(f"computed by `{typed}`")
 
 
+def _has_own_model(package: Package) -> bool:
+    """Whether a package has model files."""
+    return any(name.endswith(MODEL_SUFFIXES) for name in index_files([package.path]))
+
+
 def _is_generated(name: str, launch: Path) -> bool:
     """Whether git ignores a missing file."""
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
@@ -190,7 +210,7 @@ def _check_python_launch(
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
-            kind="SRDF" if path.lower().endswith(SRDF_SUFFIXES) else "model",
+            kind=_SRDF if path.lower().endswith(SRDF_SUFFIXES) else "model",
             **_describe_neighbours(path, finder, is_expanded=python.runs_xacro or message != "named"),
         )
     for named in python.unknown_models:
@@ -267,17 +287,24 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        only = _find_only_file(Path(path).name, finder)
-        if only is not None:
-            return f" (the only file of this name here is {format_path(only)})"
-        return f"; the folder {format_path(folder)} does not exist either"
+        return _describe_only_file(path, finder) or f"; the folder {format_path(folder)} does not exist either"
     # A file that only defines macros makes an empty robot.
     names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
     wanted = Path(path).name
     namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
     if len(namesakes) == 1 and namesakes[0].endswith(_XACRO) and not (wanted.endswith(_XACRO) or is_expanded):
         return f" (there is {namesakes[0]!r}, which xacro must expand)"
-    return f" (did you mean {namesakes[0]!r}?)" if len(namesakes) == 1 else format_name_hint(wanted, namesakes or names)
+    if len(namesakes) == 1:
+        return f" (did you mean {namesakes[0]!r}?)"
+    near = format_name_hint(wanted, namesakes or names)
+    # Many packages have a gazebo.launch: another one's is not meant.
+    return near or (_describe_only_file(path, finder) if wanted.endswith(MODEL_SUFFIXES) else "")
+
+
+def _describe_only_file(path: str, finder: PackageFinder) -> str:
+    """Name the file that a path may have meant, if the repository has one of this name elsewhere."""
+    only = _find_only_file(Path(path).name, finder)
+    return "" if only is None else f" (the only file of this name here is {format_path(only)})"
 
 
 def _is_of_macros(path: Path, finder: PackageFinder) -> bool:

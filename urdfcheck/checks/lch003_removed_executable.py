@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Edit, Finding, Rule
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.repairs.edits import edit_literals
 from urdfcheck.source.launch.static_transforms import get_executable
+from urdfcheck.source.ros.distributions import is_only_before_noetic
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
@@ -72,6 +73,8 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     if launch.is_left_over:  # another name does not make it start
         return
     successors = _SUCCESSORS.get(launch.dialect, {})
+    # A robot that its README keeps on an older ROS starts as it is: the line matters when it moves.
+    is_older = launch.dialect == "ros1" and is_only_before_noetic(launch.finder)
     for node in launch.nodes:
         attribute = node.attributes.get("type") or node.attributes.get("exec")
         successor = successors.get((node.get("pkg"), get_executable(node)))
@@ -80,6 +83,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 "removed",
                 at=attribute,
                 edits=_propose_edits(node, attribute, successor) if successor.drop_in and not _has_period(node) else [],
+                severity=_grade(successor, is_older=is_older),
                 consequences=dict([successor.effect]),
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
@@ -95,11 +99,17 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 "removed",
                 at=at,
                 edits=edits,
+                severity=_grade(successor, is_older=is_older),
                 consequences=dict([successor.effect]),
                 old="xacro/xacro.py",
                 new="xacro/xacro",
                 since=successor.since,
             )
+
+
+def _grade(successor: _Successor, *, is_older: bool) -> Severity | None:
+    """Return the severity where it is not the usual one: an info if the robot stays on releases that still have the old one."""
+    return Severity.INFO if is_older and successor.since.startswith("ROS Noetic") else None
 
 
 def _has_period(node: Element) -> bool:

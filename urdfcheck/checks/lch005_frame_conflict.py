@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_length
 from urdfcheck.model import Model
+from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import Joint
@@ -17,11 +21,19 @@ from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.node_graph import build_launch_scene
 from urdfcheck.source.launch.static_transforms import StaticTransform
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 # Numbers that were rounded differ by less: degrees and metres.
 _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
 # The line that the SolidWorks exporter writes into its gazebo.launch, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
+# What else is not a use of its frame: the line itself in another launch file of the exporter, and a comment.
+_NO_USE = re.compile(r"base_link\s+base_footprint\b|<!--.*?-->", re.DOTALL)
+# The files that name frames: of a project with more of them, or with larger ones, it is not known what they name.
+_NAMING = (".launch", ".xml", ".py", ".yaml", ".yml", ".urdf", ".xacro", ".rviz", ".cpp", ".lua", ".sdf", ".gazebo")
+_MOST_FILES, _LARGEST = 500, 500_000
 
 
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
@@ -36,7 +48,7 @@ def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: fl
         if model is not None and transform.child in model.link_by_name:
             yield from _check_model_link(rule, transform, model, placed, where=where)
         elif _is_footprint(transform, model):
-            yield from _check_footprint(rule, transform, model, height_tol=height_tol)
+            yield from _check_footprint(rule, launch, transform, model, height_tol=height_tol)
         elif model is not None and transform.parent not in placed:
             yield from _check_unknown_parent(rule, transform, model, likeness=likeness)
 
@@ -127,9 +139,21 @@ def _is_footprint(transform: StaticTransform, model: Model | None) -> bool:
 
 
 def _check_footprint(
-    rule: Rule, transform: StaticTransform, model: Model | None, *, height_tol: float
+    rule: Rule, launch: Launch, transform: StaticTransform, model: Model | None, *, height_tol: float
 ) -> Iterator[Finding]:
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
+    # A drive plugin publishes odom → base_footprint unless it is told another frame.
+    drives = model is not None and any(True for _ in list_drive_plugins(model))
+    if exported and not drives and not _is_frame_used(launch, transform.child):
+        yield rule.finding(
+            "footprint-unused",
+            at=transform.at,
+            cause="solidworks-exporter",
+            severity=Severity.INFO,
+            parent=transform.parent,
+            child=transform.child,
+        )
+        return
     common: dict[str, Any] = {
         "at": transform.at,
         "cause": "solidworks-exporter" if exported else None,
@@ -159,6 +183,28 @@ def _check_footprint(
         ),
         **common,
     )
+
+
+def _is_frame_used(launch: Launch, frame: str) -> bool:
+    """Whether a file of the project names the frame apart from the exporter's line, as far as that is known."""
+    # The walk itself is cut off, so the order of the folders does not decide.
+    files = list(itertools.islice(_iter_naming_files(find_project_folder(launch.path)), _MOST_FILES + 1))
+    return len(files) > _MOST_FILES or any(_names_frame(launch, path, frame) for path in files)
+
+
+def _iter_naming_files(project: Path) -> Iterator[Path]:
+    for here, inner, names in walk(project):
+        inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in BUILD_FOLDERS)
+        yield from (Path(here, name) for name in sorted(names) if name.endswith(_NAMING))
+
+
+def _names_frame(launch: Launch, path: Path, frame: str) -> bool:
+    if not launch.finder.can_open(path):
+        return False
+    try:
+        return frame in _NO_USE.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
+    except (OSError, FileTooLargeError):
+        return True
 
 
 def _describe_new_root(transform: StaticTransform, *, place: str, otherwise: str) -> str:

@@ -8,6 +8,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.distributions import is_only_before_noetic
@@ -35,7 +36,8 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     )
     for element in launch.root.walk():
         message = _classify_leftover(element)
-        if message == "use-gui" and (not publishes or is_only_before_noetic(launch.finder)):
+        is_idle = not publishes or _is_off(launch, element) or is_only_before_noetic(launch.finder)
+        if message == "use-gui" and is_idle:
             continue
         if message is not None:
             data: dict[str, Any] = {"sliders": sliders} if message == "use-gui" else {}
@@ -47,6 +49,13 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 name=element.get("name"),
                 **data,
             )
+
+
+def _is_off(launch: Launch, param: Element) -> bool:
+    """Whether the default of a parameter is false: then no window is wanted, and none comes."""
+    typed = param.get("value")
+    value = typed if launch.scope is None else launch.scope.resolver.resolve_value(typed)[0]
+    return value is not None and value.strip().lower() in {"false", "0"}
 
 
 def _is_documentation(path: Path) -> bool:

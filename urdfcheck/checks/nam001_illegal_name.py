@@ -53,7 +53,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     links = [part for part in worlds if isinstance(part, Link) and part.name not in roots]
     # The conversion to SDF merges the links of a fixed joint, and its name disappears, unless one is the world.
     joints = [part for part in worlds if isinstance(part, Joint) and (part.type != "fixed" or part.parent == "world")]
-    yield from _build_findings(rule, "world", severity=Severity.WARNING, parts=links)
+    # Without a mass anywhere it is a model to be drawn: Gazebo drops each link of it whatever its name is.
+    has_mass = any(link.element.find_child("inertial") is not None for link in model.links)
+    severity = Severity.WARNING if has_mass else Severity.INFO
+    yield from _build_findings(rule, "world", severity=severity, parts=links)
     yield from _build_findings(rule, "world-joint", severity=Severity.WARNING, parts=joints)
     name = model.name.strip()
     if name and not _IDENTIFIER.fullmatch(name):

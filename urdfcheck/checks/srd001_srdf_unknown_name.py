@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
@@ -13,9 +15,18 @@ from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.planning_limits import collect_group_joints
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_literals
-from urdfcheck.source.ros.srdf import Srdf, has_derived_model, is_about_model, is_configured_for, is_set_up_for_another
+from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.ros.srdf import (
+    Srdf,
+    find_original_model,
+    has_derived_model,
+    is_about_model,
+    is_configured_for,
+    is_set_up_for_another,
+)
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.system.files import read_regular
 
 # In a description that may be for a variant of the robot, a name this similar to an unused one is a misspelling of it. Left and
 # right fingers have a similarity of 0.79.
@@ -125,6 +136,8 @@ def _check_unknown_names(
     if 2 * len(missing) > len(uses):
         return  # it is for another robot of this name
     is_certain = is_configured_for(srdf, model.source)
+    original = find_original_model(srdf, model.source)
+    text = "" if original is None else _read_text(original)
     for index, ((kind, name), like) in enumerate(missing.items()):
         candidates = known[kind] - _list_names_beside(like) if index < MAX_HINTS else frozenset[str]()
         if is_certain:
@@ -135,6 +148,17 @@ def _check_unknown_names(
         if (near is None and not is_certain) or elsewhere.can_package_have(kind, name):
             continue
         attributes = [use.attribute for use in like]
+        if original is not None and re.search(rf"<{kind}\s[^<>]*name\s*=\s*[\"']{re.escape(name)}[\"']", text):
+            yield rule.finding(
+                f"{kind}-of-original",
+                at=attributes[0],
+                related=attributes[1:],
+                where=_describe_element(attributes[0].owner),
+                name=name,
+                copy=model.source.name,
+                original=format_path(original),
+            )
+            continue
         yield rule.finding(
             kind,
             at=attributes[0],
@@ -144,6 +168,13 @@ def _check_unknown_names(
             name=name,
             near=format_name_hint(name, candidates),
         )
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return read_regular(path).decode("utf-8", "replace")
+    except OSError:
+        return ""
 
 
 def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:

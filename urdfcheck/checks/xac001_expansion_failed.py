@@ -7,6 +7,7 @@ import os
 import re
 import shlex
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,12 +25,14 @@ from urdfcheck.core.text import (
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
-from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path
+from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
     find_uninstalled_file,
     index_files,
     read_defined_macros,
+    read_defined_properties,
 )
 from urdfcheck.source.path_arguments import (
     find_missing_part,
@@ -118,7 +121,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         expression = problem.data.get("evaluated") or typed
         failure = _ExpansionFailure(source=source, problem=problem, reason=reason, expression=expression)
         report = _classify_failure(failure)
-        yield rule.finding(
+        finding = rule.finding(
             report.message,
             at=report.at,
             related=report.related,
@@ -126,6 +129,10 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             between=_find_unprefixed_tags(failure, report),
             **report.data,
         )
+        # A piece that lacks what another file of its package defines was left out of the model: no program loads it.
+        is_left_out = bool(report.data.get("defining")) and _is_orphan(source)
+        is_left_out |= source.package is not None and is_kept_aside(source.path, source.package.path)
+        yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
 
 
 def _find_unprefixed_tags(failure: _ExpansionFailure, report: _FailureReport) -> list[str]:
@@ -161,7 +168,7 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     parameters = {p for m in collect_macros(trees).values() for p in m.parameters}
     known = {*defined, *arguments, *parameters}
     extra: tuple[Location, ...] = ()
-    options = ""
+    options, defining = "", list[str]()
     if failure.expression.startswith("$(eval "):
         return _explain_undefined_argument(failure, name, arguments)
     if name in arguments:
@@ -184,13 +191,17 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         extra = tuple(a.location for a in defined[name])
     else:
         near = _find_built_in_name(name) or find_nearest_name(name, known)
+        defining = [] if near else _find_defining_files(failure.source, name, read_defined_properties)
         why = f" (did you mean {near!r}?)" if near else ""
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
         macro = _find_macro_around(failure)
         define += f", or add it to the params of macro {macro}" if macro else ""
         repair = f"write `{near}`, or {define}" if near else define
+        if defining:
+            why = f"; {' and '.join(defining)} of the package {'define' if len(defining) > 1 else 'defines'} it"
+            repair = _describe_include(failure.source, defining, define)
     return _build_report_at_expression(
-        failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options
+        failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options, defining=defining
     )
 
 
@@ -252,12 +263,12 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     known = collect_macros(failure.source.trees)
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
-    defining = _find_defining_files(failure.source, name)
+    defining = _find_defining_files(failure.source, name, read_defined_macros)
     repair = "include the file that defines the macro before this line, or delete the call if it is left over"
     if near:
         repair = "correct the name, or include the file that defines the macro before this line"
     if defining:
-        repair = f"include {' or '.join(defining)}, which defines the macro, before this line, or correct the name"
+        repair = _describe_include(failure.source, defining, "correct the name", ", which defines the macro,")
     return _build_report(
         failure,
         "unknown-macro",
@@ -265,20 +276,37 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         name=name,
         files=(count := len(failure.source.trees)),
         read="the file" if count == 1 else f"the {count} files read so far",
-        hint=format_name_hint(name, known) if known else "; no file defines any macro",
+        hint=format_name_hint(name, known) if known else "" if defining else ", nor any other",
         repair=repair,
+        defining=defining,
     )
 
 
-def _find_defining_files(source: Source, macro: str) -> list[str]:
-    """Return the names of the few files of the package that define a macro and are not read; nothing if there are many."""
+def _is_orphan(source: Source) -> bool:
+    """Whether a file is a piece of a robot that no file includes: its <robot> has no name."""
+    root = source.main_tree
+    return not source.is_part and root is not None and root.tag == "robot" and "name" not in root.attributes
+
+
+def _describe_include(source: Source, files: Sequence[str], otherwise: str, clause: str = "") -> str:
+    """Say where what is missing comes from: a piece of a robot gets it from the file that includes both."""
+    listed = " or ".join(files)
+    if _is_orphan(source):
+        return f"delete this file if nothing needs it; else include it in the model, after {listed}"
+    return f"include {listed}{clause} before this line, or {otherwise}"
+
+
+def _find_defining_files(
+    source: Source, name: str, read_defined: Callable[[Iterable[Path], PackageFinder], dict[str, set[str]]]
+) -> list[str]:
+    """Return the names of the few files of the package that define a name and are not read; nothing if there are many."""
     package = source.finder.find_package_of(source.path.absolute())
     if package is None:
         return []
     paths = (path for paths in index_files([package.path]).values() for path in paths)
-    defined = read_defined_macros(paths, source.finder)
-    read = {Path(name).name for name in source.trees}
-    found = sorted(name for name, macros in defined.items() if macro in macros and name not in read)
+    defined = read_defined(paths, source.finder)
+    read = {Path(file).name for file in source.trees}
+    found = sorted(file for file, names in defined.items() if name in names and file not in read)
     return found if len(found) <= _MOST_PROPOSED else []
 
 
@@ -312,6 +340,7 @@ def _explain_missing_parameters(failure: _ExpansionFailure, match: re.Match[str]
         macro=failure.macro,
         names=names,
         listed=", ".join(names),
+        have="has" if len(names) == 1 else "have",
         written=" ".join(f'{n}="…"' for n in names),
     )
 

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices
+from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
+from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
+from urdfcheck.system.files import read_regular
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
@@ -26,13 +33,15 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 
         known = {choice.name: choice.existing_values for choice in find_argument_choices(source.path, source.finder)}
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
-        yield rule.finding(
+        passing = _find_passing_launch(source, name)
+        repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
+        finding = rule.finding(
             "too-late" if declared else "missing",
             at=at,
             related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
             argument=name,
             missing=missing,
-            repair=_describe_repair(source, at, name, options, is_declared=bool(declared)),
+            repair=repair + (f"; {format_path(passing)} passes one, known only at launch" if passing else ""),
             remedy=options,
             choices=format_choices(known.get(name, ())),
             default=declared[0].get("default") if declared else "",
@@ -40,6 +49,25 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
         )
+        # Where it is started the model has a value: only here nothing is known of it.
+        yield finding if passing is None else replace(finding, severity=Severity.WARNING, blocks_check=True)
+
+
+def _find_passing_launch(source: Source, name: str) -> Path | None:
+    """Return a launch file of the package that names the model's file and passes an argument of this name."""
+    if source.package is None or not source.finder.can_open(source.package.path):
+        return None
+    launches = itertools.islice(iter_launch_files(source.package.path, source.finder), MOST_LAUNCHES)
+    return next(
+        (path for path in launches if _names_file(path, source.path.name) and may_pass_argument(path, name)), None
+    )
+
+
+def _names_file(launch: Path, name: str) -> bool:
+    try:
+        return name.encode() in read_regular(launch, MAX_PYTHON)
+    except OSError:
+        return False
 
 
 def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:

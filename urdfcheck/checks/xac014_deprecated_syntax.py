@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING
 from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
+from urdfcheck.source.ros.srdf import SETUP_FILE
 
 if TYPE_CHECKING:
     from urdfcheck.source.launch.launch_file import Launch
 
 _DIRECT = re.compile(r"^Using (\w+)\(\) directly is deprecated\. Use (\w+)\.")
+# What MoveIt's Setup Assistant writes beside the model.
+_GENERATED = ".ros2_control.xacro"
 _IN_ORDER = re.compile(r"(?<!\S)(--inorder|-i)(\s+|$)")
 
 
@@ -29,7 +32,20 @@ def _check_functions(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("xacro-warning"):
         match = _DIRECT.match(problem.message)
         if match:
-            yield rule.finding("function", at=problem.location, function=match.group(1), namespace=match.group(2))
+            message = "generated" if _is_of_setup_assistant(source, problem.location) else "function"
+            yield rule.finding(message, at=problem.location, function=match.group(1), namespace=match.group(2))
+
+
+def _is_of_setup_assistant(source: Source, place: Location) -> bool:
+    """Whether MoveIt's Setup Assistant wrote the file: it notes what it did in the package and writes the file again."""
+    file = None if place.span is None else source.files.get(place.span.file)
+    if file is None or not file.path.name.endswith(_GENERATED):
+        return False
+    package = source.finder.find_package_of(file.path.absolute())
+    if package is None:
+        return False
+    setup = package.path / SETUP_FILE
+    return source.finder.can_open(setup) and setup.is_file()
 
 
 def _check_options(launch: Launch, rule: Rule) -> Iterator[Finding]:

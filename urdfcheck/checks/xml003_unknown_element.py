@@ -12,6 +12,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
+from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -61,6 +62,8 @@ _SDF_OF_SHAPES = frozenset({"surface", "max_contacts", "laser_retro"})
 # What sdformat reads directly in <gazebo>: parts of a surface that have other names there than in SDF, and all of them.
 _URDF_OF_CONTACTS = frozenset({"mu1", "minDepth", "maxVel"})
 _OF_CONTACTS = frozenset({*_URDF_OF_CONTACTS, "mu2", "fdir1", "kp", "kd"})
+# Their names in SDF where those differ.
+_NAMES_IN_BLOCK = {"mu": "mu1", "min_depth": "minDepth", "max_vel": "maxVel"}
 # What holds the friction of a shape in SDF.
 _FRICTION = frozenset({"surface", "friction", "ode"})
 # Those of a whole model: sdformat hands them to it only from a <gazebo> without a reference.
@@ -80,6 +83,8 @@ _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
 # Those that name other elements: a link needs none.
 _NAMING = frozenset({"parent", "child"})
+# What urdfdom refuses a limit without.
+_LIMITED = ("effort", "velocity")
 # What is typed twice, rounded, is one number: a share, chosen.
 _SAME = 0.03
 _AGREE = {False: "has its", True: "have their"}
@@ -97,6 +102,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         for child in parent.children:
             if _is_unknown_element(parent.tag, child):
                 unknown.setdefault((parent.tag, child.tag), []).append(child)
+    package = model.source.package
+    is_aside = package is not None and is_kept_aside(model.source.path, package.path)  # no program loads it
     for (parent_tag, tag), places in _leave_out_calls(model, unknown).items():
         verdict = _classify_element(parent_tag, places, model)
         if verdict is None:
@@ -113,22 +120,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         is_of_moving = message == "misspelt" and data["near"] in _OF_MOVING_JOINTS
         if is_of_moving and all(_is_in_fixed_joint(place) or _holds_zeros(place) for place in places):
             severity = Severity.INFO
+        if severity is Severity.WARNING and is_aside:
+            severity = Severity.INFO
         edits: tuple[Edit, ...] = ()
         if message == "misspelt":
-            taken = _is_taken(parent_tag, data["near"], places)
-            repeated = not taken and _is_repeated(parent_tag, data["near"], places)
-            template = DELETION if taken else MERGING if repeated else RENAMING
-            data["repair"] = template.format(parent=parent_tag, **data)
-            wrong = [] if taken else _find_wrong_numbers(places, data["near"])
-            wrong += _find_stuck_joints(places, model) if data["near"] == "dynamics" and not taken else []
-            is_safe = not (taken or repeated or wrong)
-            edits = build_rename_edits(places, data["near"], model.source.files) if is_safe else ()
-            if wrong:
-                data["repair"] += ", and " + join_names(wrong)
-            elif data["near"] == "dynamics" and not taken:
-                data["repair"] += (
-                    f"; programs then use {_list_values(places)}. Delete it if the robot moves as it should"
-                )
+            if is_of_moving:  # a fixed joint uses none of its parts: what the others lose comes first
+                places.sort(key=_is_in_fixed_joint)
+            data["repair"], edits = _describe_renaming(parent_tag, data["near"], places, model)
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
             message,
@@ -140,6 +138,28 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             **data,
         )
         yield replace(finding, subjects=tuple(place.subject for place in places))
+
+
+def _describe_renaming(parent: str, near: str, places: list[Element], model: Model) -> tuple[str, tuple[Edit, ...]]:
+    """Return the repair of a misspelt element, and its edits where they only make it count."""
+    is_of_moving = near in _OF_MOVING_JOINTS
+    wanted = [p for p in places if not (is_of_moving and _is_in_fixed_joint(p))] or places
+    taken = _is_taken(parent, near, places)
+    repeated = not taken and _is_repeated(parent, near, places)
+    template = DELETION if taken else MERGING if repeated else RENAMING
+    repair = template.format(parent=parent, near=near)
+    if taken:
+        return repair, ()
+    wrong = _find_wrong_numbers(wanted, near)
+    wrong += _find_stuck_joints(wanted, model) if near == "dynamics" else []
+    if wrong:
+        repair += ", and " + join_names(wrong)
+    if len(wanted) < len(places) and not repeated:
+        repair += ", and delete it in the fixed joints"
+    if near == "dynamics" and not wrong:
+        repair += f"; programs then use {_list_values(wanted)}. Delete it if the robot moves as it should"
+    edits = () if repeated or wrong else build_rename_edits(wanted, near, model.source.files)
+    return repair, tuple(edits)
 
 
 def _leave_out_calls(
@@ -212,9 +232,16 @@ def _is_in_fixed_joint(element: Element) -> bool:
 
 
 def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
-    """Return what must be written instead of the attributes that are not numbers: under its new name the element is read."""
+    """Return what must be written instead of the attributes that are not numbers: under its new name the element is read.
+
+    Of a limit also what urdfdom refuses it without, and a negative one: SDF has -1 where there is no limit, a URDF has none.
+    """
     wrong: dict[str, None] = {}
     for place in places:
+        numbers = {name: parse_number(place.get(name)) for name in _LIMITED if tag == "limit"}
+        lacking = [n for n, v in numbers.items() if n not in place.attributes or (v is not None and v < 0)]
+        if lacking:
+            wrong[f"a positive {' and '.join(lacking)}"] = None
         for name, count in NUMERIC_ATTRIBUTES.get(tag, {}).items():
             value = place.get(name).strip()
             words = value.split() if count > 1 else [value]
@@ -308,7 +335,7 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
     if parent == "robot":
         return None
     if child.tag in _SDF:
-        return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places)}
+        return "sdf", Severity.WARNING, {"repair": _describe_sdf_repair(parent, places, model)}
     is_call = model.source.is_xacro and child.attributes and not child.children
     return "ignored", Severity.INFO, {"call": _CALL if is_call else ""}
 
@@ -493,11 +520,11 @@ def _read_values(element: Element) -> dict[str, list[float | str]]:
     }
 
 
-def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
+def _describe_sdf_repair(parent: str, places: list[Element], model: Model) -> str:
     """Say where an element of SDF is read: in a <gazebo> block of its link or joint."""
     child = places[0]
     if child.tag == "pose":
-        return "delete it: in URDF `<origin>` gives the place"
+        return _describe_pose_repair(parent, places)
     if child.tag in _SDF_OF_MODELS:
         return _SDF_OF_MODELS[child.tag]
     around = parent if parent == "visual" else "collision"
@@ -508,6 +535,12 @@ def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
     if child.tag in _SDF_OF_SHAPES:
         inside = f"<{around}>…</{around}>"
     leaves = list(dict.fromkeys(e.tag for place in places for e in place.walk() if not e.children))
+    if child.tag == "surface" and (own := _find_own_contacts(child, leaves, model)):
+        # What the block has of its own, sdformat writes over what is moved into it.
+        return (
+            f'delete it{others}: `<gazebo reference="{name}">` has its own {_list_tags(own)}, which Gazebo uses; '
+            "correct the numbers there if these are right"
+        )
     if child.tag == "surface" and not _URDF_OF_CONTACTS.isdisjoint(leaves):
         direct = _list_tags([tag for tag in leaves if tag in _OF_CONTACTS])
         rest = [tag for tag in leaves if tag not in _OF_CONTACTS]
@@ -518,6 +551,32 @@ def _describe_sdf_repair(parent: str, places: list[Element]) -> str:
     if child.tag in _SDF_OF_SHAPES and any(map(_is_in_named_shape, places)):
         repair += f", and delete the name of the <{around}>, with which Gazebo ignores this block (GZB003)"
     return repair
+
+
+def _describe_pose_repair(parent: str, places: list[Element]) -> str:
+    """Say what to do with a pose: where nothing else gives the place, its numbers may be what is meant."""
+    if parent == "link":
+        return "delete it: in URDF the joint above a link gives its place"
+    lacks = all(place.parent is not None and place.parent.find_child("origin") is None for place in places)
+    if not lacks or all(map(_holds_sdf_defaults, places)):
+        return "delete it: in URDF `<origin>` gives the place"
+    words = places[0].text.split()
+    is_known = len({place.text for place in places}) == 1 and len(words) == 6 and not places[0].attributes
+    if not is_known or None in map(parse_number, words):
+        return "write its numbers as `<origin>` if they are meant, else delete it"
+    origin = f'<origin xyz="{" ".join(words[:3])}" rpy="{" ".join(words[3:])}"/>'
+    return f"write `{origin}` if this place is meant; else delete it"
+
+
+def _find_own_contacts(surface: Element, leaves: list[str], model: Model) -> list[str]:
+    """Return what the <gazebo> block of the link has of all that a surface has; nothing if it lacks some of it."""
+    link = _find_around(surface, "link")
+    wanted = [_NAMES_IN_BLOCK.get(tag, tag) for tag in leaves]
+    if link is None or not wanted or not set(wanted) <= _OF_CONTACTS:
+        return []
+    blocks = [b for b in model.robot.find_children("gazebo") if b.get("reference") == link.get("name")]
+    own = {child.tag for block in blocks for child in block.children}
+    return wanted if own.issuperset(wanted) else []
 
 
 def _describe_block_place(places: list[Element]) -> tuple[str, str, str]:

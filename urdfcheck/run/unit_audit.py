@@ -220,7 +220,7 @@ class _UnitAudit:
         at = locate_unit(self.unit) if root is None else root
         # Few files are parts that nothing includes.
         from urdfcheck.core.text import spell_breaks
-        from urdfcheck.source.uses_elsewhere import find_conditional_include
+        from urdfcheck.source.uses_elsewhere import find_conditional_include, is_completed_by_includer
 
         rule, reason = load_rules()["XML002"], self.role.reason
         included = find_conditional_include(source)
@@ -229,6 +229,8 @@ class _UnitAudit:
         else:
             user, condition = format_path(included[0]), spell_breaks(included[1])
             finding = rule.finding("part-of-variant", at=at, reason=reason, user=user, condition=condition)
+            if is_completed_by_includer(source):  # it is no robot that was missed, only a part of other variants
+                finding = replace(finding, severity=Severity.INFO, blocks_check=True)
         self.findings.append(mark_cause(replace(finding, model=self.unit.id), self.policy))
 
     def report_causes(self, source: Source) -> None:

@@ -42,6 +42,9 @@ _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # A name that a file computes may be that of any model.
 _COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
+# What xacro says of a name or a macro that is not defined, and the definitions of a file.
+_LACKING = re.compile(r"name '([^']+)' is not defined|unknown macro name: (\S+)")
+_DEFINED = re.compile(r"""<xacro:(?:arg|property|macro)\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # The names of model files, as launch files and scripts name them.
 MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
 # `name:=value` of a command, {"name": value} and name="…" of Python and CMake, name: of yaml.
@@ -138,6 +141,27 @@ def find_conditional_include(source: Source) -> tuple[Path, str] | None:
             if around is not None and ending.search(include.get("filename")):
                 return path, f'<{around.tag} value="{around.get("value")}">'
     return None
+
+
+def is_completed_by_includer(source: Source) -> bool:
+    """Whether a file includes this one under a condition and defines what this one lacks to be expanded.
+
+    Then it is a part of that file's variants, and is never a robot by itself.
+    """
+    missing = {str(problem.data["argument"]) for problem in source.find_problems("argument-missing")}
+    for problem in source.find_problems("expansion-failed"):
+        match = _LACKING.search(problem.message)
+        if match is None:
+            return False
+        missing.add(match[1] or match[2].removeprefix("xacro:"))
+    included = find_conditional_include(source) if missing else None
+    if included is None:
+        return False
+    try:
+        text = SourceFile.read(included[0], format_path(included[0])).text
+    except OSError:
+        return False
+    return missing <= set(_DEFINED.findall(text))
 
 
 def read_project_texts(source: Source) -> Iterator[str]:

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from urdfcheck.core import Location, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.launch.launch_file import load_launch
+from urdfcheck.source.launch.launch_file import DescriptionSource, Launch, is_description, load_launch, read_description
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunchReader
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
@@ -103,12 +103,25 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
     if launch.suffix == ".py":
         return list(_read_python(launch, data, model, finder))
     found: list[PassedArgument] = []
-    for description in load_launch(launch, finder).descriptions:
+    read = load_launch(launch, finder)
+    for description in (*read.descriptions, *_iter_other_commands(read)):
         is_meant = description.path is not None and os.path.realpath(description.path) == model
         if is_meant or _may_name(description.file, Path(model), finder):
             at, rank = description.at.location, 0 if is_meant else BESIDE
             found += [PassedArgument(name=n, value=v, location=at, rank=rank) for n, v in description.arguments.items()]
     return found
+
+
+def _iter_other_commands(launch: Launch) -> Iterator[DescriptionSource]:
+    """Yield what commands of an XML launch file make for other parameters: each of several robots has its own."""
+    if launch.root is None or launch.scope is None:
+        return
+    resolver = launch.scope.resolver
+    for element in launch.root.walk():
+        has_command = element.tag == "param" and "command" in element.attributes and not is_description(element)
+        made = read_description(element, resolver) if has_command and resolver.is_active(element) else None
+        if made is not None:
+            yield made
 
 
 def _may_name(typed: str, model: Path, finder: PackageFinder) -> bool:

@@ -176,6 +176,7 @@ class PythonLaunchReader:
         parts = _collect_partial_texts(self.nodes)
         around = self.find_variable_paths()
         tested = self.list_tested_paths()
+        unread = _list_unread_nodes(self.nodes)
         for node in self.nodes:
             if id(node) in joined:
                 continue
@@ -199,11 +200,11 @@ class PythonLaunchReader:
                 joined.update(map(id, pieces if exact is None else ast.walk(node)))
             elif exact is not None and isinstance(node, ast.expr):
                 joined.update(map(id, ast.walk(node)))
-                if exact[0] in tested:
+                if exact[0] in tested or id(node) in unread:
                     continue
                 if str(exact[0]) in missing or (len(missing) < MAX_PATHS and not may_be_built(*exact, MODEL_SUFFIXES)):
                     missing[str(exact[0])] = node
-            elif isinstance(node, ast.Constant) and id(node) not in parts and _is_model_path(node.value):
+            elif isinstance(node, ast.Constant) and id(node) not in parts | unread and _is_model_path(node.value):
                 unknown[str(node.value)] = node
         if models or missing:
             unknown = {}
@@ -283,7 +284,7 @@ class PythonLaunchReader:
     def find_missing_includes(self, tested: set[Path]) -> dict[str, ast.expr]:
         """Return the paths of launch files in a known package that do not exist, and that are not ``tested``."""
         absent: dict[Path, tuple[Path, ast.expr]] = {}
-        joined: set[int] = set()
+        joined = _list_unread_nodes(self.nodes)
         for node in self.nodes:
             exact = None if id(node) in joined else self.find_path_in_package(node, LAUNCH_SUFFIXES)
             if exact is None or not isinstance(node, ast.expr):
@@ -437,6 +438,35 @@ def _find_model_file(literal: str, folders: Sequence[Path], finder: PackageFinde
             if finder.can_open(candidate) and os.path.isfile(candidate):
                 return candidate
     return None
+
+
+def _list_unread_nodes(nodes: Sequence[ast.AST]) -> set[int]:
+    """Return the nodes in the values of names of functions that nothing reads, or only such a value: a path there is left over.
+
+    Another file may read a name of the module.
+    """
+    values: dict[str, list[ast.AST]] = {}
+    functions = [node for node in nodes if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef))]
+    for node in {id(inner): inner for function in functions for inner in ast.walk(function)}.values():
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        if isinstance(node, (ast.Assign, ast.AnnAssign)) and len(targets) == 1 and isinstance(targets[0], ast.Name):
+            values.setdefault(targets[0].id, []).extend([node.value] if node.value is not None else [])
+    reads = [node for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)]
+    unread: set[int] = set()
+    while True:
+        read = {node.id for node in reads if id(node) not in unread}
+        further = {
+            id(inner)
+            for name, found in values.items()
+            if name not in read
+            for value in found
+            for inner in ast.walk(value)
+        }
+        if further <= unread:
+            return unread
+        unread |= further
 
 
 def _collect_partial_texts(nodes: Sequence[ast.AST]) -> set[int]:

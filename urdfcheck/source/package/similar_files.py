@@ -33,6 +33,7 @@ FilesByName = Mapping[str, list[Path]]
 
 # A macro's definition as typed, also without the prefix; so many files of a folder are read, and so much of each.
 _MACRO = re.compile(r"<(?:xacro:)?macro\s[^<>]*?\bname\s*=\s*[\"'](?:xacro:)?(\w+)[\"']")
+_PROPERTY = re.compile(r"<(?:xacro:)?property\s[^<>]*?\bname\s*=\s*[\"'](\w+)[\"']")
 _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 # The folder of a submodule in .gitmodules, of which so much is read.
 _SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
@@ -132,14 +133,23 @@ def select_python_data(
 
 def read_defined_macros(files: Iterable[Path], finder: PackageFinder) -> dict[str, set[str]]:
     """Return the names of the macros that xacro files define, by the name of the file, as far as they may be opened."""
-    macros: dict[str, set[str]] = {}
+    return _read_defined(_MACRO, files, finder)
+
+
+def read_defined_properties(files: Iterable[Path], finder: PackageFinder) -> dict[str, set[str]]:
+    """Return the names of the properties that xacro files define in the same way."""
+    return _read_defined(_PROPERTY, files, finder)
+
+
+def _read_defined(pattern: re.Pattern[str], files: Iterable[Path], finder: PackageFinder) -> dict[str, set[str]]:
+    defined: dict[str, set[str]] = {}
     for path in islice((p for p in files if p.suffix == ".xacro" and finder.can_open(p)), _MOST_MACRO_FILES):
         try:
             text = read_regular(path, _MOST_MACRO_BYTES).decode("utf-8", "replace")
         except OSError:
             continue
-        macros[path.name] = set(_MACRO.findall(text))
-    return macros
+        defined[path.name] = set(pattern.findall(text))
+    return defined
 
 
 def find_files_elsewhere(written: str, user: Path, finder: PackageFinder) -> list[Path]:

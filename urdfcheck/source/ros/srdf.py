@@ -217,6 +217,21 @@ def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
     return bool(found) and own.isdisjoint(found)
 
 
+def find_original_model(srdf: Srdf, source: Source) -> Path | None:
+    """Return the file that a semantic description was set up for where the model is another one beside the description.
+
+    MoveIt's Setup Assistant writes such a copy for Gazebo (``config/gazebo_….urdf``), which nothing makes again.
+    """
+    package = source.finder.find_package_of(srdf.path.absolute())
+    if package is None or srdf.path.absolute().parent != source.path.absolute().parent:
+        return None
+    made_for = _read_setup(srdf, package, source)
+    place = None if made_for is None else _find_place(*made_for, source)
+    own = {source.path.absolute(), *(file.path.absolute() for file in source.files.values())}
+    is_other = place is not None and place not in own and source.finder.can_open(place) and place.is_file()
+    return place if is_other else None
+
+
 def _find_place(package: str, path: str, source: Source) -> Path | None:
     """Return a path in a package, which may be the model's own; None if the package is not found."""
     is_own = source.package is not None and source.package.name == package
