@@ -27,21 +27,10 @@ from urdfcheck.source.package.references import (
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
 from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
-from urdfcheck.source.ros.dependencies import collect_dependencies
+from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
-# Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
-_PARTS_OF = {
-    "gazebo": (),  # the key of the simulator alone, which rosdep installs without its packages for ROS
-    "gazebo_ros_pkgs": ("gazebo_",),
-    "ros_gz": ("ros_gz_", "ros_ign_"),
-    "navigation2": ("nav2_",),
-    "desktop": ("",),
-    "desktop_full": ("",),
-    "ros_base": ("",),
-    "ros_core": ("",),
-}
 _TEST_FOLDERS = {"test", "tests"}
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
@@ -114,7 +103,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
             package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
         )
     if missing:
-        missing |= _select_missing(package, _collect_started(package, declared | homes.keys()))
+        started = _select_missing(package, _collect_started(package, declared | homes.keys()))
+        missing |= _drop_uses_of_ros1(started, root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
 
@@ -142,11 +132,11 @@ def _select_missing(
 ) -> dict[str, list[PackageMention]]:
     """Return the undeclared packages that no declared one brings and that must be declared."""
     covered = collect_dependencies(package.finder, package.dependencies)
-    parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
+    collections = package.dependencies | (covered & COLLECTIONS.keys())
     return {
         name: uses
         for name, uses in sorted(undeclared.items())
-        if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
+        if name not in covered and not has_part(collections, name) and _needs_declaration(name, uses, package)
     }
 
 
