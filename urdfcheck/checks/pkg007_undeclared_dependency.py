@@ -32,6 +32,7 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
 _TEST_FOLDERS = {"test", "tests"}
+_EXAMPLE_FOLDERS = frozenset({"example", "examples"})
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
@@ -76,10 +77,13 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name in [name for name in missing if _is_inside_another(_find_package(package, name), package)]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
-    homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
-    for name, home in homes.items():
-        if home is not None:
-            yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
+    named = set(missing)
+    started = _collect_started(package, declared) if missing else {}
+    # The program of a package that a launch file starts is in no copy of its files.
+    homes = {name: _find_home(package, name, uses) for name, uses in missing.items() if name not in started}
+    misnamed = {name: home for name, home in homes.items() if home is not None}
+    for name, home in misnamed.items():
+        yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
     missing = _drop_uses_of_ros1(missing, root)
     for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
         del missing[name]  # a folder of that name is no package
@@ -103,8 +107,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
             package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
         )
     if missing:
-        started = _select_missing(package, _collect_started(package, declared | homes.keys()))
-        missing |= _drop_uses_of_ros1(started, root)
+        started = {name: uses for name, uses in started.items() if name not in named}
+        missing |= _drop_uses_of_ros1(_select_missing(package, started), root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
 
@@ -278,7 +282,12 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
-    """Whether the file that names a package is kept in a folder of what is no longer used."""
+    """Whether the file that names a package is kept in a folder of what is no longer used, or is an example.
+
+    An example may need more than the package does.
+    """
+    if not _EXAMPLE_FOLDERS.isdisjoint(folder.lower() for folder in _list_folders(use, package)):
+        return True
     return use.location.span is not None and is_kept_aside(Path(use.location.span.file), package.path)
 
 
