@@ -382,6 +382,21 @@ def test_an_installed_path_says_the_name_of_the_package(tmp_path: Path, there: t
     assert not finding.fix.edits
 
 
+def test_a_machine_path_into_another_package_that_has_some_of_the_files_names_it(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    for name in ("p", "q"):
+        write(tmp_path, f"{name}/package.xml", text=f'<package format="3"><name>{name}</name></package>')
+    write(tmp_path, "q/meshes/b.stl")
+    shapes = "".join(visual(mesh(f"/home/ann/ws/src/q/meshes/{file}.stl")) for file in "ab")
+    write(tmp_path, "p/urdf/r.urdf", text=f'<robot name="r">{link("l", shapes)}</robot>')
+    (finding,) = check(tmp_path / "p/urdf/r.urdf", codes={"PKG004"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == (
+        "write `package://q/meshes/b.stl`, and the others likewise: the package has them, except a.stl, which must be added; "
+        "declare the dependency in package.xml"
+    )
+
+
 @pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])
 def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
     tmp_path: Path, place: str, told: bool
