@@ -43,6 +43,8 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
+# Messages about lines to add to package.xml.
+_MISSING_LINES = frozenset({"undeclared", "several"})
 # Messages about packages that are not found.
 _UNKNOWN = frozenset({"unknown", "unknown-several"})
 # What the names of packages that start a robot end with, where its model is in one that ends with the first.
@@ -206,11 +208,21 @@ def _build_finding(
         unfound=_describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
+    consequences = _name_launcher(finding.consequences, root)
+    if message in _MISSING_LINES:
+        consequences = _select_consequences(consequences, names, package)
     return replace(
         finding,
         subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()),
-        consequences=_name_launcher(finding.consequences, root),
+        consequences=consequences,
     )
+
+
+def _select_consequences(consequences: Mapping[str, str], names: Collection[str], package: Package) -> dict[str, str]:
+    """Leave out what rosdep does if all packages are in the workspace, and what colcon does if none is: each has its own."""
+    beside = set() if package.finder is None else package.finder.list_workspace_packages().keys() & {*names}
+    silent = {"colcon"} if not beside else {"rosdep"} if len(beside) == len(names) else set()
+    return {name: sentence for name, sentence in consequences.items() if name not in silent}
 
 
 def _describe_unfound(names: Sequence[str], tags: Mapping[str, str], submodules: Sequence[str]) -> str:
