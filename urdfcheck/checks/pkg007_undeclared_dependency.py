@@ -178,6 +178,8 @@ def _build_finding(
 ) -> Finding:
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
+    if message in _MUTUAL:  # the model needs what it names itself wherever it is loaded, a launch file where it is started
+        missing = {name: sorted(uses, key=lambda use: _are_in_launch_files([use])) for name, uses in missing.items()}
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
