@@ -57,6 +57,13 @@ _METAPACKAGES = frozenset(
 # The default of an argument in a launch file; in Python the package may be named so many lines below the word.
 _DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
 _DEFAULT_LINES = 4
+# What every installation of ROS has (its package ros_core), by the program that reads the launch files.
+_IN_ROS_CORE = {
+    "roslaunch": frozenset(
+        {"rosbag", "rosmsg", "rosnode", "rosparam", "rosservice", "rostopic", "roswtf", "topic_tools"}
+    ),
+    "ros2_launch": frozenset({"rclcpp_components"}),
+}
 # A file that is part of the sources: others are made by the build.
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
@@ -80,7 +87,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     named = set(missing)
-    started = _collect_started(package, declared) if missing else {}
+    core = _IN_ROS_CORE[name_launch_command(root)]
+    started = _collect_started(package, declared | core) if missing else {}
     # The program of a package that a launch file starts is in no copy of its files.
     homes = {name: _find_home(package, name, uses) for name, uses in missing.items() if name not in started}
     misnamed = {name: home for name, home in homes.items() if home is not None}
@@ -178,7 +186,9 @@ def _build_finding(
 ) -> Finding:
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
-    if message in _MUTUAL:  # the model needs what it names itself wherever it is loaded, a launch file where it is started
+    if (
+        message in _MUTUAL
+    ):  # the model needs what it names itself wherever it is loaded, a launch file where it is started
         missing = {name: sorted(uses, key=lambda use: _are_in_launch_files([use])) for name, uses in missing.items()}
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
