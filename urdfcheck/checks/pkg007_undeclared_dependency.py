@@ -76,8 +76,12 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
     if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
         return
-    # A line that is commented out was left out on purpose.
-    declared = {package.name, *package.dependencies, *_list_commented_dependencies(file.text)}
+    # A line that is commented out was left out on purpose, and with it what the package brings: MoveIt's setup assistant leaves
+    # out gazebo_ros_control so that nothing installs Gazebo. Its ROS 2 templates have the same line for a package of ROS 1.
+    commented = _list_commented_dependencies(file.text)
+    if name_launch_command(root) == "roslaunch":
+        commented |= collect_dependencies(package.finder, commented)
+    declared = {package.name, *package.dependencies, *commented}
     undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
