@@ -15,7 +15,7 @@ from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
-from urdfcheck.source.package.installed_folders import read_install_rules
+from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
 from urdfcheck.source.package.package_folders import is_kept_aside, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
@@ -164,8 +164,11 @@ def _collect_started(package: Package, declared: Collection[str]) -> dict[str, l
     By themselves they are not reported: many packages of robots leave them to the user.
     """
     started: dict[str, list[PackageMention]] = {}
+    install = read_install_rules(package)
     for mention in iter_started_packages(package):
-        if mention.package not in declared and not _is_aside(mention, package):
+        if mention.package in declared or _is_aside(mention, package):
+            continue
+        if not _is_stray(mention, package, install):
             started.setdefault(mention.package, []).append(mention)
     return {name: uses for name, uses in started.items() if _is_known(package, name) and not _is_above(package, name)}
 
@@ -295,9 +298,10 @@ def _is_probably_above(package: Package, name: str) -> bool:
 
 def _drop_stray_uses(package: Package, missing: dict[str, list[PackageMention]]) -> None:
     """Leave out the packages that are not found and that only files name to which nothing leads."""
+    install = read_install_rules(package)
     for name, uses in list(missing.items()):
         if _find_package(package, name) is None:
-            missing[name] = [use for use in uses if not _is_stray(use, package)]
+            missing[name] = [use for use in uses if not _is_stray(use, package, install)]
             if not missing[name]:
                 del missing[name]
 
@@ -319,15 +323,18 @@ def _is_aside(use: PackageMention, package: Package) -> bool:
     return use.location.span is not None and is_kept_aside(Path(use.location.span.file), package.path)
 
 
-def _is_stray(use: PackageMention, package: Package) -> bool:
+def _is_stray(use: PackageMention, package: Package, install: InstallRules | None) -> bool:
     """Whether nothing leads to the file that names a package: the build leaves it out, or it was left beside meshes."""
     folders = _list_folders(use, package)
-    if not folders:
-        return False
     if not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders):
         return True
-    install = read_install_rules(package)
-    return install is not None and not install.installed.may_fill(folders[0])
+    if install is None or use.location.span is None:
+        return False
+    if folders:
+        return not install.installed.may_fill(folders[0])
+    file = Path(os.path.abspath(use.location.span.file))
+    is_at_top = file.parent == package.path.absolute() and _are_in_launch_files([use])
+    return is_at_top and not install.installed.may_install(file.name)
 
 
 def _are_defaults(uses: Iterable[PackageMention]) -> bool:
