@@ -646,3 +646,15 @@ def test_a_relative_path_is_compared_with_the_files_of_its_package(
         run = check(path, codes={"PKG002"})
         assert not run.failures
         assert [f.fix.title for f in run.findings if f.fix] == ["correct the path, or add the file"]
+
+
+def test_a_package_that_a_declared_released_one_brings_is_only_missing_here(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    depends = "<exec_depend>ur_robot_driver</exec_depend>"
+    write(tmp_path, "cell/package.xml", text=f'<package format="3"><name>cell</name>{depends}</package>')
+    include = '<xacro:include filename="$(find ur_description)/urdf/ur_macro.xacro"/>'
+    robot = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>'
+    write(tmp_path, "cell/urdf/r.urdf.xacro", text=robot)
+    (finding,) = check(tmp_path / "cell/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.message_id == "expansion-declared"
+    assert "package.xml of ur_robot_driver depends on it" in finding.message
