@@ -224,7 +224,8 @@ def _build_finding(
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
         checked_out="what is checked out of the repository" if missing_modules else "the repository",
-        unfound=_describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
+        unfound=_describe_similar(missing, package, message)
+        + _describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
     consequences = _name_launcher(finding.consequences, root)
@@ -242,6 +243,20 @@ def _select_consequences(consequences: Mapping[str, str], names: Collection[str]
     beside = set() if package.finder is None else package.finder.list_workspace_packages().keys() & {*names}
     silent = {"colcon"} if not beside else {"rosdep"} if len(beside) == len(names) else set()
     return {name: sentence for name, sentence in consequences.items() if name not in silent}
+
+
+def _describe_similar(missing: Mapping[str, Sequence[PackageMention]], package: Package, message: str) -> str:
+    """Name the packages that are spelt like those that are not found and have one of the files."""
+    if message not in _UNKNOWN or package.finder is None:
+        return ""
+    alike: list[str] = []
+    for name, uses in missing.items():
+        files = {use.subpath.strip("/") for use in uses if "." in use.subpath and "$" not in use.subpath}
+        near = package.finder.suggest_names(name, files) if files else []
+        if len(near) == 1:
+            alike.append(f"write `{near[0]}` for {name} if that is meant: it has the file")
+    last = "; else " if len(missing) == 1 else "; "
+    return f"{alike[0]}{last}" if len(alike) == 1 else ""
 
 
 def _describe_unfound(names: Sequence[str], tags: Mapping[str, str], submodules: Sequence[str]) -> str:
