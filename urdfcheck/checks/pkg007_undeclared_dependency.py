@@ -47,6 +47,8 @@ _MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
 _MISSING_LINES = frozenset({"undeclared", "several"})
 # Messages about packages that are not found.
 _UNKNOWN = frozenset({"unknown", "unknown-several"})
+# The setup assistant writes MoveIt's address into each package of such a name.
+_CONFIG_SUFFIX = "_moveit_config"
 # What the names of packages that start a robot end with, where its model is in one that ends with the first.
 _MODEL_SUFFIX = "_description"
 _STARTER_SUFFIXES = ("_bringup", "_control", "_gazebo", "_moveit_config", "_simulation")
@@ -120,11 +122,29 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         yield _build_finding(
             package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
         )
-    if missing:
+    if missing and not _is_as_released(package, missing):
         started = {name: uses for name, uses in started.items() if name not in named}
         missing |= _drop_uses_of_ros1(_select_missing(package, started), root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _list_workspace(package: Package) -> dict[str, Path]:
+    return {} if package.finder is None else package.finder.list_workspace_packages()
+
+
+def _is_as_released(package: Package, missing: Collection[str]) -> bool:
+    """Whether a package is one that ROS has released, copied into a repository of packages that it has not, and what it lacks is
+    released too: its authors leave that to its users.
+
+    It has the address of its own repository; the author's own package may have the name of a released one by chance.
+    """
+    released, workspace = read_released_packages(), _list_workspace(package)
+    has_address = package.root is not None and package.root.find_child("url") is not None
+    if not has_address or package.name not in released or package.name.endswith(_CONFIG_SUFFIX):
+        return False
+    is_beside_others = any(name not in released for name in workspace)
+    return is_beside_others and all(name in released and name not in workspace for name in missing)
 
 
 def _list_commented_dependencies(manifest: str) -> set[str]:
@@ -240,7 +260,7 @@ def _build_finding(
 
 def _select_consequences(consequences: Mapping[str, str], names: Collection[str], package: Package) -> dict[str, str]:
     """Leave out what rosdep does if all packages are in the workspace, and what colcon does if none is: each has its own."""
-    beside = set() if package.finder is None else package.finder.list_workspace_packages().keys() & {*names}
+    beside = _list_workspace(package).keys() & {*names}
     silent = {"colcon"} if not beside else {"rosdep"} if len(beside) == len(names) else set()
     return {name: sentence for name, sentence in consequences.items() if name not in silent}
 
