@@ -382,6 +382,21 @@ def test_an_installed_path_says_the_name_of_the_package(tmp_path: Path, there: t
     assert not finding.fix.edits
 
 
+def test_a_machine_path_into_another_package_that_has_some_of_the_files_names_it(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    for name in ("p", "q"):
+        write(tmp_path, f"{name}/package.xml", text=f'<package format="3"><name>{name}</name></package>')
+    write(tmp_path, "q/meshes/b.stl")
+    shapes = "".join(visual(mesh(f"/home/ann/ws/src/q/meshes/{file}.stl")) for file in "ab")
+    write(tmp_path, "p/urdf/r.urdf", text=f'<robot name="r">{link("l", shapes)}</robot>')
+    (finding,) = check(tmp_path / "p/urdf/r.urdf", codes={"PKG004"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title == (
+        "write `package://q/meshes/b.stl`, and the others likewise: the package has them, except a.stl, which must be added; "
+        "declare the dependency in package.xml"
+    )
+
+
 @pytest.mark.parametrize(("place", "told"), [("meshes/robot.urdf", False), ("urdf/robot.urdf", True)])
 def test_a_model_that_an_exporter_left_beside_the_meshes_names_no_package(
     tmp_path: Path, place: str, told: bool
@@ -631,3 +646,15 @@ def test_a_relative_path_is_compared_with_the_files_of_its_package(
         run = check(path, codes={"PKG002"})
         assert not run.failures
         assert [f.fix.title for f in run.findings if f.fix] == ["correct the path, or add the file"]
+
+
+def test_a_package_that_a_declared_released_one_brings_is_only_missing_here(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    depends = "<exec_depend>ur_robot_driver</exec_depend>"
+    write(tmp_path, "cell/package.xml", text=f'<package format="3"><name>cell</name>{depends}</package>')
+    include = '<xacro:include filename="$(find ur_description)/urdf/ur_macro.xacro"/>'
+    robot = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{include}</robot>'
+    write(tmp_path, "cell/urdf/r.urdf.xacro", text=robot)
+    (finding,) = check(tmp_path / "cell/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.message_id == "expansion-declared"
+    assert "package.xml of ur_robot_driver depends on it" in finding.message

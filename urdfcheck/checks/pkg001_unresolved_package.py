@@ -90,6 +90,8 @@ def _build_finding(
         if declared
         else "files-recorded"
         if is_of_release and source.is_output_of_xacro
+        else "files-rosbuild"
+        if is_of_release and _find_rosbuild_package(source) is not None
         else "files-released"
         if is_of_release
         else "files-aside"
@@ -117,7 +119,7 @@ def _build_finding(
         at=at,
         related=[*related, *places],
         edits=_propose_edits(uses, package, near),
-        severity=_grade(message, is_outside=bool(is_outside), is_old=_find_rosbuild_package(source) is not None),
+        severity=_grade(message, is_outside=bool(is_outside)),
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
         manifest="package.xml"
@@ -146,14 +148,10 @@ def _build_finding(
     return replace(finding, blocks_check=True) if message == "expansion-declared" else finding
 
 
-def _grade(message: str, *, is_outside: bool, is_old: bool) -> Severity | None:
-    """Return the severity of a message; None for that of the rule.
-
-    ``is_old``: whether the model is in a package of rosbuild: a released package is then one of that time, installed then.
-    """
-    if message in {"files-declared", "files-recorded", "files-aside", "rosbuild", "expansion-declared"}:
-        return Severity.INFO
-    if message == "files-released" and is_old:
+def _grade(message: str, *, is_outside: bool) -> Severity | None:
+    """Return the severity of a message; None for that of the rule."""
+    infos = {"files-declared", "files-recorded", "files-rosbuild", "files-aside", "rosbuild", "expansion-declared"}
+    if message in infos:
         return Severity.INFO
     return Severity.WARNING if is_outside or message == "files-released" else None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
 from pathlib import Path
@@ -207,11 +207,15 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     if None not in others:
         declare = "" if source.package is None or all(portable) else ", and declare the dependency in package.xml"
         return f"write `{others[0]}`{likewise if several else ''}{declare}"
-    future = [_find_future_path(use, source) for use in place.uses]
+    # A path may name another package, which has some of the files.
+    owners = {path.split("/")[2] for path in paths if path.startswith("package://")}
+    future = [_find_future_path(use, source, owners) for use in place.uses]
     if paths and None not in future:
         lacking = [str(path) for path, here in zip(future, portable, strict=True) if here is None]
         names = join_names(list(dict.fromkeys(path.rpartition("/")[2] for path in lacking)), 3)
-        return f"write `{paths[0]}`, and the others likewise: the package has them, except {names}, which must be added"
+        known = set() if source.package is None else {source.package.name, *source.package.dependencies}
+        declare = "" if owners <= known else "; declare the dependency in package.xml"
+        return f"write `{paths[0]}`, and the others likewise: the package has them, except {names}, which must be added{declare}"
     repair = f"copy the file into the model's package and write {_format_future_path(future, place.uses, source)}"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:
@@ -221,14 +225,15 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     return repair
 
 
-def _find_future_path(use: ResourceUse, source: Source) -> str | None:
-    """Return the package path of a file once it is in the model's package: what the typed path has behind its name."""
+def _find_future_path(use: ResourceUse, source: Source, owners: Collection[str]) -> str | None:
+    """Return the package path of a file once it is in the model's package, or in one that has others of its files (``owners``):
+    what the typed path has behind its name."""
     path, package = use.resource.path, source.package
     if path is None or package is None:
         return None
     parts = path.as_posix().replace("\\", "/").split("/")
-    before = [index for index, part in enumerate(parts[:-1]) if part == package.name]
-    return f"package://{package.name}/{'/'.join(parts[before[-1] + 1 :])}" if before else None
+    before = [index for index, part in enumerate(parts[:-1]) if part == package.name or part in owners]
+    return f"package://{'/'.join(parts[before[-1] :])}" if before else None
 
 
 def _format_future_path(future: Sequence[str | None], uses: Sequence[ResourceUse], source: Source) -> str:

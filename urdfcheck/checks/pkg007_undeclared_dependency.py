@@ -15,7 +15,7 @@ from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
-from urdfcheck.source.package.installed_folders import read_install_rules
+from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
 from urdfcheck.source.package.package_folders import is_kept_aside, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
@@ -27,22 +27,12 @@ from urdfcheck.source.package.references import (
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
 from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
-from urdfcheck.source.ros.dependencies import collect_dependencies
+from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
-# Metapackages, and what the names of their packages begin with unless with the name of the metapackage.
-_PARTS_OF = {
-    "gazebo": (),  # the key of the simulator alone, which rosdep installs without its packages for ROS
-    "gazebo_ros_pkgs": ("gazebo_",),
-    "ros_gz": ("ros_gz_", "ros_ign_"),
-    "navigation2": ("nav2_",),
-    "desktop": ("",),
-    "desktop_full": ("",),
-    "ros_base": ("",),
-    "ros_core": ("",),
-}
 _TEST_FOLDERS = {"test", "tests"}
+_EXAMPLE_FOLDERS = frozenset({"example", "examples"})
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
@@ -53,8 +43,12 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
+# Messages about lines to add to package.xml.
+_MISSING_LINES = frozenset({"undeclared", "several"})
 # Messages about packages that are not found.
 _UNKNOWN = frozenset({"unknown", "unknown-several"})
+# The setup assistant writes MoveIt's address into each package of such a name.
+_CONFIG_SUFFIX = "_moveit_config"
 # What the names of packages that start a robot end with, where its model is in one that ends with the first.
 _MODEL_SUFFIX = "_description"
 _STARTER_SUFFIXES = ("_bringup", "_control", "_gazebo", "_moveit_config", "_simulation")
@@ -65,6 +59,13 @@ _METAPACKAGES = frozenset(
 # The default of an argument in a launch file; in Python the package may be named so many lines below the word.
 _DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
 _DEFAULT_LINES = 4
+# What every installation of ROS has (its package ros_core), by the program that reads the launch files.
+_IN_ROS_CORE = {
+    "roslaunch": frozenset(
+        {"rosbag", "rosmsg", "rosnode", "rosparam", "rosservice", "rostopic", "roswtf", "topic_tools"}
+    ),
+    "ros2_launch": frozenset({"rclcpp_components"}),
+}
 # A file that is part of the sources: others are made by the build.
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
@@ -77,8 +78,12 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
     if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
         return
-    # A line that is commented out was left out on purpose.
-    declared = {package.name, *package.dependencies, *_list_commented_dependencies(file.text)}
+    # A line that is commented out was left out on purpose, and with it what the package brings: MoveIt's setup assistant leaves
+    # out gazebo_ros_control so that nothing installs Gazebo. Its ROS 2 templates have the same line for a package of ROS 1.
+    commented = _list_commented_dependencies(file.text)
+    if name_launch_command(root) == "roslaunch":
+        commented |= collect_dependencies(package.finder, commented)
+    declared = {package.name, *package.dependencies, *commented}
     undeclared: dict[str, list[PackageMention]] = {}
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
@@ -87,10 +92,14 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name in [name for name in missing if _is_inside_another(_find_package(package, name), package)]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
-    homes = {name: _find_home(package, name, uses) for name, uses in missing.items()}
-    for name, home in homes.items():
-        if home is not None:
-            yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
+    named = set(missing)
+    core = _IN_ROS_CORE[name_launch_command(root)]
+    started = _collect_started(package, declared | core) if missing else {}
+    # The program of a package that a launch file starts is in no copy of its files.
+    homes = {name: _find_home(package, name, uses) for name, uses in missing.items() if name not in started}
+    misnamed = {name: home for name, home in homes.items() if home is not None}
+    for name, home in misnamed.items():
+        yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
     missing = _drop_uses_of_ros1(missing, root)
     for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
         del missing[name]  # a folder of that name is no package
@@ -113,10 +122,29 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         yield _build_finding(
             package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
         )
-    if missing:
-        missing |= _select_missing(package, _collect_started(package, declared | homes.keys()))
+    if missing and not _is_as_released(package, missing):
+        started = {name: uses for name, uses in started.items() if name not in named}
+        missing |= _drop_uses_of_ros1(_select_missing(package, started), root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _list_workspace(package: Package) -> dict[str, Path]:
+    return {} if package.finder is None else package.finder.list_workspace_packages()
+
+
+def _is_as_released(package: Package, missing: Collection[str]) -> bool:
+    """Whether a package is one that ROS has released, copied into a repository of packages that it has not, and what it lacks is
+    released too: its authors leave that to its users.
+
+    It has the address of its own repository; the author's own package may have the name of a released one by chance.
+    """
+    released, workspace = read_released_packages(), _list_workspace(package)
+    has_address = package.root is not None and package.root.find_child("url") is not None
+    if not has_address or package.name not in released or package.name.endswith(_CONFIG_SUFFIX):
+        return False
+    is_beside_others = any(name not in released for name in workspace)
+    return is_beside_others and all(name in released and name not in workspace for name in missing)
 
 
 def _list_commented_dependencies(manifest: str) -> set[str]:
@@ -142,11 +170,11 @@ def _select_missing(
 ) -> dict[str, list[PackageMention]]:
     """Return the undeclared packages that no declared one brings and that must be declared."""
     covered = collect_dependencies(package.finder, package.dependencies)
-    parts = tuple(prefix for name in package.dependencies for prefix in _PARTS_OF.get(name, (f"{name}_",)))
+    collections = package.dependencies | (covered & COLLECTIONS.keys())
     return {
         name: uses
         for name, uses in sorted(undeclared.items())
-        if name not in covered and not name.startswith(parts) and _needs_declaration(name, uses, package)
+        if name not in covered and not has_part(collections, name) and _needs_declaration(name, uses, package)
     }
 
 
@@ -156,8 +184,11 @@ def _collect_started(package: Package, declared: Collection[str]) -> dict[str, l
     By themselves they are not reported: many packages of robots leave them to the user.
     """
     started: dict[str, list[PackageMention]] = {}
+    install = read_install_rules(package)
     for mention in iter_started_packages(package):
-        if mention.package not in declared and not _is_aside(mention, package):
+        if mention.package in declared or _is_aside(mention, package):
+            continue
+        if not _is_stray(mention, package, install):
             started.setdefault(mention.package, []).append(mention)
     return {name: uses for name, uses in started.items() if _is_known(package, name) and not _is_above(package, name)}
 
@@ -182,6 +213,10 @@ def _build_finding(
 ) -> Finding:
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
+    if (
+        message in _MUTUAL
+    ):  # the model needs what it names itself wherever it is loaded, a launch file where it is started
+        missing = {name: sorted(uses, key=lambda use: _are_in_launch_files([use])) for name, uses in missing.items()}
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
@@ -209,14 +244,39 @@ def _build_finding(
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
         checked_out="what is checked out of the repository" if missing_modules else "the repository",
-        unfound=_describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
+        unfound=_describe_similar(missing, package, message)
+        + _describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
+    consequences = _name_launcher(finding.consequences, root)
+    if message in _MISSING_LINES:
+        consequences = _select_consequences(consequences, names, package)
     return replace(
         finding,
         subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()),
-        consequences=_name_launcher(finding.consequences, root),
+        consequences=consequences,
     )
+
+
+def _select_consequences(consequences: Mapping[str, str], names: Collection[str], package: Package) -> dict[str, str]:
+    """Leave out what rosdep does if all packages are in the workspace, and what colcon does if none is: each has its own."""
+    beside = _list_workspace(package).keys() & {*names}
+    silent = {"colcon"} if not beside else {"rosdep"} if len(beside) == len(names) else set()
+    return {name: sentence for name, sentence in consequences.items() if name not in silent}
+
+
+def _describe_similar(missing: Mapping[str, Sequence[PackageMention]], package: Package, message: str) -> str:
+    """Name the packages that are spelt like those that are not found and have one of the files."""
+    if message not in _UNKNOWN or package.finder is None:
+        return ""
+    alike: list[str] = []
+    for name, uses in missing.items():
+        files = {use.subpath.strip("/") for use in uses if "." in use.subpath and "$" not in use.subpath}
+        near = package.finder.suggest_names(name, files) if files else []
+        if len(near) == 1:
+            alike.append(f"write `{near[0]}` for {name} if that is meant: it has the file")
+    last = "; else " if len(missing) == 1 else "; "
+    return f"{alike[0]}{last}" if len(alike) == 1 else ""
 
 
 def _describe_unfound(names: Sequence[str], tags: Mapping[str, str], submodules: Sequence[str]) -> str:
@@ -273,9 +333,10 @@ def _is_probably_above(package: Package, name: str) -> bool:
 
 def _drop_stray_uses(package: Package, missing: dict[str, list[PackageMention]]) -> None:
     """Leave out the packages that are not found and that only files name to which nothing leads."""
+    install = read_install_rules(package)
     for name, uses in list(missing.items()):
         if _find_package(package, name) is None:
-            missing[name] = [use for use in uses if not _is_stray(use, package)]
+            missing[name] = [use for use in uses if not _is_stray(use, package, install)]
             if not missing[name]:
                 del missing[name]
 
@@ -288,19 +349,27 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
-    """Whether the file that names a package is kept in a folder of what is no longer used."""
+    """Whether the file that names a package is kept in a folder of what is no longer used, or is an example.
+
+    An example may need more than the package does.
+    """
+    if not _EXAMPLE_FOLDERS.isdisjoint(folder.lower() for folder in _list_folders(use, package)):
+        return True
     return use.location.span is not None and is_kept_aside(Path(use.location.span.file), package.path)
 
 
-def _is_stray(use: PackageMention, package: Package) -> bool:
+def _is_stray(use: PackageMention, package: Package, install: InstallRules | None) -> bool:
     """Whether nothing leads to the file that names a package: the build leaves it out, or it was left beside meshes."""
     folders = _list_folders(use, package)
-    if not folders:
-        return False
     if not _SHAPE_FOLDERS.isdisjoint(folder.lower() for folder in folders):
         return True
-    install = read_install_rules(package)
-    return install is not None and not install.installed.may_fill(folders[0])
+    if install is None or use.location.span is None:
+        return False
+    if folders:
+        return not install.installed.may_fill(folders[0])
+    file = Path(os.path.abspath(use.location.span.file))
+    is_at_top = file.parent == package.path.absolute() and _are_in_launch_files([use])
+    return is_at_top and not install.installed.may_install(file.name)
 
 
 def _are_defaults(uses: Iterable[PackageMention]) -> bool:

@@ -58,10 +58,13 @@ _XACRO_SUFFIXES = frozenset({".py", ".launch", ".xml"})
 # The package of a program that a launch file starts.
 _STARTED = re.compile(
     rf"<node\b[^<>]*?\bpkg\s*=\s*['\"]{_PACKAGE}['\"]|\bNode\([^()]*?\bpackage\s*=\s*['\"]{_PACKAGE}['\"]"
+    rf"|\bpackage\s*=\s*['\"]{_PACKAGE}['\"]\s*,\s*executable\s*="
 )
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".launch.py", "_launch.py")
 # What Python may print.
 _TOLD = re.compile(r"package://|\$\(find")
+# Arguments of functions whose text is for the reader, as of launch's DeclareLaunchArgument and argparse.
+_EXPLAINING = frozenset({"description", "help"})
 # The paths that Python joins to a package's folder in a row, and the name that it assigns the folder to before.
 _QUOTED = r"""f?['"][^'"{}]*['"]"""
 _JOINED = rf"(?P<joined>\s*(?P<by>,|/|\+)\s*{_QUOTED}(?:\s*(?P=by)\s*{_QUOTED})*)(?P<more>\s*(?P=by)\s*[\w('\"])?"
@@ -125,9 +128,10 @@ def iter_started_packages(package: Package) -> Iterator[PackageMention]:
         if is_launch or "def generate_launch_description" in text:
             file = SourceFile(path, format_path(path), text=text)
             for match in _STARTED.finditer(_remove_comments(text, path.suffix)):
-                name = match[1] or match[2]
+                group = match.lastindex or 0
+                name = match[group]
                 if name != package.name:
-                    span = file.make_span(*match.span(1 if match[1] else 2))
+                    span = file.make_span(*match.span(group))
                     yield PackageMention(name, "", Location(f"package[{name}]", span))
 
 
@@ -270,11 +274,20 @@ def _find_optional_lines(text: str) -> frozenset[int]:
 
 
 def _find_told_lines(text: str) -> frozenset[int]:
-    """Return the numbers of the lines of a Python file with texts that it prints, or that explain it."""
-    tree = parse_python(text)
-    statements = () if tree is None else (node for node in ast.walk(tree) if isinstance(node, ast.Expr))
-    told = (node for node in statements if isinstance(node.value, ast.Constant) or _is_print(node.value))
-    return frozenset(line for node in told for line in _list_lines(node))
+    """Return the numbers of the lines of a Python file with texts that it prints, or that explain it or an argument."""
+    nodes = [*ast.walk(parse_python(text) or ast.Module([], []))]
+    statements = (node for node in nodes if isinstance(node, ast.Expr))
+    printed = (node for node in statements if isinstance(node.value, ast.Constant) or _is_print(node.value))
+    explained = (node.value for node in nodes if isinstance(node, ast.keyword) and node.arg in _EXPLAINING)
+    told = {line for node in printed for line in _list_lines(node)}
+    return frozenset(told | {line for node in explained if _has_all_names(node, text) for line in _list_lines(node)})
+
+
+def _has_all_names(node: ast.expr, text: str) -> bool:
+    """Whether a text has all the names of packages on its lines: another argument may follow on the last."""
+    lines = text.splitlines()[node.lineno - 1 : node.end_lineno]
+    typed = (part.value for part in ast.walk(node) if isinstance(part, ast.Constant) and isinstance(part.value, str))
+    return sum(len(_TOLD.findall(part)) for part in typed) == len(_TOLD.findall("\n".join(lines)))
 
 
 def _find_unused_lines(text: str) -> frozenset[int]:
@@ -295,7 +308,7 @@ def _raises(handler: ast.ExceptHandler) -> bool:
     return any(isinstance(node, ast.Raise) for node in ast.walk(handler))
 
 
-def _list_lines(node: ast.stmt) -> range:
+def _list_lines(node: ast.stmt | ast.expr) -> range:
     return range(node.lineno, (node.end_lineno or node.lineno) + 1)
 
 
