@@ -84,6 +84,7 @@ from urdfcheck.model.shapes.visual_solid import (
     measure_role_geometry,
     split_visual_bodies,
 )
+from urdfcheck.model.wheel_names import is_revolute_wheel
 from urdfcheck.source.text.xml import Attribute
 
 # Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
@@ -111,6 +112,8 @@ _OTHER_UNIT = 100.0
 _UNLIKE = 0.25
 # One coordinate of a COM alone is off where it has this share of the distance.
 _ALONE = 0.999
+# Variances across the axis of a round part differ by no more than this share, as the spokes of a wheel may (chosen).
+_ROUND = 0.02
 # A COM is outside its body beyond this share of the body's size, as for INR006.
 _OUTSIDE = 0.1
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
@@ -493,7 +496,7 @@ def _build_cause_finding(
         message = "hollow"
     elif cause == "com_missing" and _is_com_of_collision(model, link, judged):
         message = "centres"
-    elif cause == "com_missing" and _is_drawn_elsewhere(model, link):
+    elif cause == "com_missing" and (_is_drawn_elsewhere(model, link) or _is_drawn_off_axle(model, link, judged)):
         message = "elsewhere"
     elif cause == "com_missing" and _is_unlike_stand_in(model, link):
         message = "unlike"
@@ -639,6 +642,23 @@ def _is_drawn_elsewhere(model: Model, link: Link) -> bool:
     return drawn is not None and measure_hull_distance(drawn.points, np.zeros(3)) > measure_extent(drawn.points)
 
 
+def _is_drawn_off_axle(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether a wheel has its COM on its axle, and what it draws, which is round about that direction, is beside the axle: the
+    drawing may be in the wrong place."""
+    drawn = measure_link_geometry(model, link)
+    joint = next((one for one in model.joints if one.child == link.name), None)
+    if drawn is None or joint is None or not (joint.type == "continuous" or is_revolute_wheel(joint)):
+        return False
+    variances, axes = np.linalg.eigh(drawn.solid.covariance)
+    axis = np.array(joint.axis or (1.0, 0.0, 0.0))
+    axis = axis / max(float(np.linalg.norm(axis)), 1e-9)
+    along = int(np.abs(axes.T @ axis).argmax())
+    first, other = (variances[i] for i in range(3) if i != along)
+    is_round = abs(first - other) <= _ROUND * other and abs(float(axes[:, along] @ axis)) >= _ALONE
+    offs = [float(np.linalg.norm(com - (com @ axis) * axis)) for com in (judged.declared.com, drawn.solid.com)]
+    return is_round and offs[0] <= _FACETS * measure_extent(drawn.points) < offs[1]
+
+
 def _is_unlike_stand_in(model: Model, link: Link) -> bool:
     """Whether the collision shape that stands for an open visual mesh is much larger, or smaller, or elsewhere: it says nothing
     about the part."""
@@ -676,10 +696,11 @@ def _find_other_mass(judged: DiagnosedInertial) -> float | None:
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
-    drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
+    is_com_off = judged.diagnosis.com_mismatch > NOTABLE and not _is_drawn_off_axle(model, tensor.link, judged)
+    drawn = describe_drawn_inertial(model, tensor.link, with_com=is_com_off)
     is_sure = is_tiny(model, tensor.link, judged) or _has_own_tensor(model, tensor.link, judged)
     is_sure |= is_scaled_down(model, tensor.link, judged)
-    is_sure &= tensor.link.name not in list_bolted_links(model)
+    is_sure &= tensor.link.name not in list_bolted_links(model) and not changes_body_little(model, tensor.link, judged)
     rank = (None, None) if is_sure else (Severity.INFO, Confidence.HEURISTIC)
     origin = tensor.inertial.origin
     is_com_alone = judged.diagnosis.tensor_mismatch <= NOTABLE

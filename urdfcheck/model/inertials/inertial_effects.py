@@ -20,7 +20,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model
-from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, compute_body_tensor
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import (
@@ -28,7 +28,9 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Mat3
+    from collections.abc import Sequence
+
+    from urdfcheck.facts.arrays import Array, Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
@@ -140,31 +142,58 @@ def is_slight(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 
 def changes_body_little(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
     """Whether a link is fixed to others, and the body of all of them has nearly the same mass, COM and moments with the right
-    numbers of the link: those of the drawn part, or with the mistake undone. The ball of a foot is on a long leg, for example."""
+    numbers of the link: those of the drawn part, or with the mistake undone. The ball of a foot is on a long leg, for example.
+
+    The other wrong links of the body count with their right numbers, for next to a tensor that is vast all others are little. Of
+    several wrong links each has its part of what is little: four brackets together are not.
+    """
     wanted = _find_right_numbers(model, link, judged)
     try:
-        links, frame = model.pieces.list_body_links(link.name), model.piece_frames[link.name]
+        links = model.pieces.list_body_links(link.name)
         whole = compute_body_inertia(model, links)
+        frames = model.piece_frames
     except FactUnavailableError:
         return False
     if wanted is None or whole is None or len(links) == 1:
         return False
-    mass, com, tensor = whole
-    turn, declared = frame[:3, :3], judged.declared
-    parts = [(mass, com, tensor)]
-    for sign, one in ((-1.0, declared), (1.0, wanted)):  # take the link out of its body, and put it in again
-        parts.append((sign * one.mass, turn @ one.com + frame[:3, 3], sign * (turn @ one.inertia @ turn.T)))
-    total = sum(weight for weight, _, _ in parts)
-    if not total > 0.0:
+    diagnoses = inertial_diagnoses(model)
+    wrong = {name: diagnoses[name] for name in links if name in diagnoses and not diagnoses[name].diagnosis.sound}
+    others = [(name, one) for name, one in wrong.items() if name != link.name]
+    swaps = [
+        (frames[name], one.declared, right)
+        for name, one in others
+        if (right := _find_right_numbers(model, model.link_by_name[name], one)) is not None
+    ]
+    before = _swap_numbers(whole, swaps)
+    after = None if before is None else _swap_numbers(before, [(frames[link.name], judged.declared, wanted)])
+    if before is None or after is None:
         return False
-    centre = sum((weight * place for weight, place, _ in parts), np.zeros(3)) / total
-    changed = sum((one + compute_parallel_axis_term(weight, place - centre) for weight, place, one in parts), -tensor)
-    gyration = float(np.sqrt(np.trace(tensor) / (2.0 * mass)))
+    mass, com, tensor = after
+    share = 1.0 / max(1, len(wrong))
+    gyration = float(np.sqrt(max(0.0, float(np.trace(tensor))) / (2.0 * mass)))
     return (
-        abs(total - mass) < _LITTLE * mass
-        and float(np.linalg.norm(centre - com)) < max(_LITTLE_LENGTH, _LITTLE_MOVE * gyration)
-        and measure_largest_change(tensor, changed) < _LITTLE
+        abs(before[0] - mass) < share * _LITTLE * mass
+        and float(np.linalg.norm(before[1] - com)) < share * max(_LITTLE_LENGTH, _LITTLE_MOVE * gyration)
+        and measure_largest_change(tensor, before[2] - tensor) < share * _LITTLE
     )
+
+
+def _swap_numbers(
+    body: tuple[float, Array, Array], swaps: Sequence[tuple[Array, DeclaredInertial, DeclaredInertial]]
+) -> tuple[float, Array, Array] | None:
+    """Return mass, COM and tensor of a ``body`` with other numbers of some links; None without mass. ``swaps``: the frame of each
+    link, and its numbers before and after."""
+    parts = [body]
+    for frame, before, after in swaps:
+        turn = frame[:3, :3]
+        for sign, one in ((-1.0, before), (1.0, after)):  # take the link out of its body, and put it in again
+            parts.append((sign * one.mass, turn @ one.com + frame[:3, 3], sign * (turn @ one.inertia @ turn.T)))
+    total = sum(mass for mass, _, _ in parts)
+    if not total > 0.0:
+        return None
+    com = sum((mass * place for mass, place, _ in parts), np.zeros(3)) / total
+    tensor = sum((one + compute_parallel_axis_term(mass, place - com) for mass, place, one in parts), np.zeros((3, 3)))
+    return total, com, tensor
 
 
 def _find_right_numbers(model: Model, link: Link, judged: DiagnosedInertial) -> DeclaredInertial | None:
