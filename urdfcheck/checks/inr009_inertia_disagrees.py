@@ -654,7 +654,9 @@ def _is_drawn_off_axle(model: Model, link: Link, judged: DiagnosedInertial) -> b
     axis = axis / max(float(np.linalg.norm(axis)), 1e-9)
     along = int(np.abs(axes.T @ axis).argmax())
     first, other = (variances[i] for i in range(3) if i != along)
-    is_round = abs(first - other) <= _ROUND * other and abs(float(axes[:, along] @ axis)) >= _ALONE
+    # A rod is round, too: one beside its joint is a link of an arm, whose COM was not filled in.
+    is_disc = float(variances[along]) < float(min(first, other))
+    is_round = is_disc and abs(first - other) <= _ROUND * other and abs(float(axes[:, along] @ axis)) >= _ALONE
     offs = [float(np.linalg.norm(com - (com @ axis) * axis)) for com in (judged.declared.com, drawn.solid.com)]
     return is_round and offs[0] <= _FACETS * measure_extent(drawn.points) < offs[1]
 
