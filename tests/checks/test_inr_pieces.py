@@ -212,5 +212,9 @@ def test_more_pieces_than_the_mesh_shows_get_the_drawn_tensor(tmp_path: Path, co
     assert finding.cause is not None
     assert finding.cause.id == "steiner_missing"
     assert finding.fix is not None
-    written = float(edited(text, finding.fix.edits).partition('ixx="')[2].partition('"')[0])
-    assert (abs(written / true.tensor[0, 0] - 1.0) < 1e-3) == (com == 0.0)
+    # A COM elsewhere shows that the pieces have other densities than the drawing: no number of theirs is known.
+    assert bool(finding.fix.edits) == (com == 0.0)
+    assert finding.fix.title.startswith("compute the inertial again") == (com != 0.0)
+    if com == 0.0:
+        written = float(edited(text, finding.fix.edits).partition('ixx="')[2].partition('"')[0])
+        assert abs(written / true.tensor[0, 0] - 1.0) < 1e-3

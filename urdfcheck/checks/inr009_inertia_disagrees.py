@@ -31,6 +31,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
 )
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
+    changes_body_little,
     has_unknown_mass,
     is_approximation,
     is_box_of_one_shape,
@@ -38,6 +39,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     is_hull_enough,
     is_light,
     is_mark,
+    is_next_to_nothing,
     is_placeholder,
     is_possible,
     is_rounded_uniform,
@@ -54,7 +56,7 @@ from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
-from urdfcheck.model.inertials.proposals.rival_formulas import has_rival_formula
+from urdfcheck.model.inertials.proposals.rival_formulas import has_rival_formula, has_round_solid
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shared_mistakes import (
@@ -82,6 +84,7 @@ from urdfcheck.model.shapes.visual_solid import (
     measure_role_geometry,
     split_visual_bodies,
 )
+from urdfcheck.model.wheel_names import is_revolute_wheel
 from urdfcheck.source.text.xml import Attribute
 
 # Either the mass or the tensor may be the wrong number: two different edits make such an inertial agree.
@@ -109,6 +112,8 @@ _OTHER_UNIT = 100.0
 _UNLIKE = 0.25
 # One coordinate of a COM alone is off where it has this share of the distance.
 _ALONE = 0.999
+# Variances across the axis of a round part differ by no more than this share, as the spokes of a wheel may (chosen).
+_ROUND = 0.02
 # A COM is outside its body beyond this share of the body's size, as for INR006.
 _OUTSIDE = 0.1
 # A tensor below this share of the drawn part's is too small for an arrangement of lumps in it.
@@ -119,6 +124,15 @@ _OWN_SUM = 2.0
 _OF_PLACE = frozenset({"axes_permuted", "quarter_turn", "unmirrored", "mesh_frame"})
 # A tensor that stays farther off than this share of the drawn part's (chosen) is not that of the part.
 _NEAR = 0.25
+# Of a tensor that only has other axes, digits and facets leave less than this share (chosen).
+_OF_AXES, _RIGHT = frozenset({"axes_permuted", "slots_swapped", "slots_shifted"}), 0.1
+# Messages that a note on the small effect of a mistake takes the place of.
+_WITH_EFFECT = frozenset({"cause", "exact", "named", "size", "unnamed"})
+# Messages that leave open which number is wrong, or say that none matters.
+_WITHOUT_CAUSE = frozenset({"centres", "elsewhere", "rotated", "slight", "unnamed"})
+_HOLLOW_BODIES = frozenset({"a thin-walled tube", "a hollow sphere"})
+_ABSORBED = "The link is fixed to others: with the right numbers, mass, COM and moments of all together hardly change"
+_SLIGHT = "The right numbers change each moment by less than 10 %, and the COM by next to nothing"
 _UNSEEN = ("other link has an open visual mesh, which does", "other links have open visual meshes, which do")
 _MISFITS = ("other link does not fit its drawing", "other links do not fit their drawings")
 
@@ -283,7 +297,8 @@ def _is_unproven(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 
 def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
     """Whether a mistake of CAD programs leaves a tensor that is far from the drawn part's, or fits one that is computed in the
-    file from the lengths of a box or a cylinder: then these lengths are others than the drawn ones."""
+    file from the lengths of a box or a cylinder, or has the moments of one of round size: then these lengths are others than the
+    drawn ones."""
     diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, tensor.link)
     if diagnosis.cause == "inertia_unit" and _is_typed_for_all(model, tensor, judged):
         return True
@@ -297,7 +312,8 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
     if measure_difference(diagnosis.mended, drawn) > LUMPED:
         return True
     moments = [tensor.element.attributes[name] for name in MOMENTS]
-    return diagnosis.mended_tensor_mismatch > EXACT and all(map(is_computed_from_lengths, moments))
+    is_formula = all(map(is_computed_from_lengths, moments)) or has_round_solid(tensor, judged.declared.mass)
+    return diagnosis.mended_tensor_mismatch > EXACT and is_formula
 
 
 def _is_typed_for_all(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
@@ -411,6 +427,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
     cause, detail = judged[0].diagnosis.cause or "", judged[0].diagnosis.detail
     has_vast = any(is_vast(model, link, one) for link, one in zip(links, judged, strict=True))
     has_proof = all(is_proven(model, link) for link in links)
+    is_mild = all(is_light(model, one) for one in links)
     is_certain = len(complete) == len(links) and has_proof
     edits = {edit.span: edit for repair in complete for edit in repair.edits} if is_certain else {}
     unseen = _count_unseen_links(model, links)
@@ -423,7 +440,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         [model.tensor_by_name[link.name].element for link in links],
         cause=cause,
         edits=tuple(edits.values()),
-        severity=Severity.ERROR if has_vast else Severity.INFO if all(is_light(model, one) for one in links) else None,
+        severity=Severity.ERROR if has_vast else Severity.INFO if is_mild else None,
         links=join_names(link.name for link in links),
         first=links[0].name,
         count=len(links),
@@ -438,7 +455,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         edit="" if repairs[0] is None else repairs[0].words,
         unseen=f". {format_count(unseen, *_UNSEEN)} not show it"
         if unseen
-        else f". {format_count(others, *_MISFITS)} either, and may have it too"
+        else f". {format_count(others, *_MISFITS)} either"
         if others
         else "",
         each="" if unseen or others else f", or correct each of the {len(links)} links",
@@ -475,9 +492,11 @@ def _build_cause_finding(
     other_mass = _find_other_mass(judged) if mended is not None else None
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
-    elif cause == "shell" and has_com_of_shell(model, link):
+    elif (cause == "shell" and has_com_of_shell(model, link)) or _is_meant_hollow(judged):
         message = "hollow"
-    elif cause == "com_missing" and _is_drawn_elsewhere(model, link):
+    elif cause == "com_missing" and _is_com_of_collision(model, link, judged):
+        message = "centres"
+    elif cause == "com_missing" and (_is_drawn_elsewhere(model, link) or _is_drawn_off_axle(model, link, judged)):
         message = "elsewhere"
     elif cause == "com_missing" and _is_unlike_stand_in(model, link):
         message = "unlike"
@@ -505,44 +524,99 @@ def _build_cause_finding(
     # An accessory, such as a camera, is a small part of the robot that carries it.
     mild |= cause == "com_missing" and judged.declared.mass < _LIGHT and not any(j.is_movable for j in model.joints)
     mild |= cause == "com_missing" and is_box_of_one_shape(model, link, judged.declared)
+    mild |= message == "hollow" or (message == "centres" and _is_along_wheel(model, link, judged))
+    is_absorbed = changes_body_little(model, link, judged)
+    mild |= is_absorbed
     if mild and is_bolted and message in {"exact", "named"}:
         message = "bolted"
+    vast = is_vast(model, link, judged)
+    has_little_effect = is_absorbed or is_next_to_nothing(model, link, judged)
+    has_another = message == "named" and _leaves_another_mistake(model, link, judged)
+    has_other_axes = has_another and cause in _OF_AXES  # and is not that of the drawn part in any
+    # The mass, or the drawing, is as likely to be wrong, or another number is wrong as well.
+    without_edits = message in {"size", "rotated"} or _is_meant_hollow(judged) or has_another
+    without_edits |= message == "named" and _is_in_doubtful_file(model, cause)
+    if has_little_effect and not vast and message in _WITH_EFFECT:
+        message = "slight"
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=None if message in {"elsewhere", "rotated", "unnamed"} else cause,
-        # The mass, or the drawing, is as likely to be wrong.
-        edits=()
-        if mended is None
-        or message in {"size", "rotated"}
-        or (message == "named" and _is_in_doubtful_file(model, cause))
-        else mended.edits,
+        cause=None if message in _WITHOUT_CAUSE or _is_meant_hollow(judged) or has_other_axes else cause,
+        edits=() if mended is None or without_edits else mended.edits,
         related=[
             *_list_twins(model, judged),
             *([] if drawn_twin is None else [drawn_twin]),
             *_iter_definitions(mended),
         ],
-        severity=Severity.ERROR if is_vast(model, link, judged) else Severity.INFO if mild else None,
+        severity=Severity.ERROR if vast else Severity.INFO if mild else None,
+        effect=_ABSORBED if is_absorbed else _SLIGHT,
         edit=fallback if mended is None else mended.words,
         like="" if drawn_twin is None else drawn_twin.name,
-        repair="" if mended is None else _describe_repair(model, link, judged, mended),
+        repair=_describe_repair(model, link, judged, mended, message=message),
         condition="" if mended is None or mended.edits else f", if the numbers of {join_names(judged.twins)} are right",
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         **data,
     )
 
 
-def _describe_repair(model: Model, link: Link, judged: DiagnosedInertial, mended: InertialRepair) -> str:
+def _is_meant_hollow(judged: DiagnosedInertial) -> bool:
+    """Whether a formula is that of the hollow body of a drawn cylinder or sphere: URDF has no shape for a tube, so that a rim is
+    drawn as a solid."""
+    return judged.diagnosis.cause == "wrong_formula" and judged.diagnosis.detail in _HOLLOW_BODIES
+
+
+def _is_com_of_collision(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the COM is that of the link's collision shapes, and not of what it draws: either of the two may be out of place."""
+    colliding = measure_role_geometry(model, link, "collision")
+    if colliding is None or explain_collision_stand_in(model, link) is not None:
+        return False
+    off = float(np.linalg.norm(judged.declared.com - colliding.solid.com))
+    return off <= _FACETS * measure_extent(colliding.points)
+
+
+def _is_along_wheel(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether what a wheel draws is beside its COM along the axle: turning, it is balanced there and here."""
+    drawn = measure_link_geometry(model, link)
+    joint = next((one for one in model.joints if one.child == link.name), None)
+    axis = None if joint is None or joint.type != "continuous" else joint.axis
+    if drawn is None or axis is None:
+        return False
+    off = judged.declared.com - drawn.solid.com
+    along = abs(float(np.dot(off, axis))) / max(float(np.linalg.norm(axis)), 1e-9)
+    return along >= _ALONE * float(np.linalg.norm(off))
+
+
+def _describe_repair(
+    model: Model, link: Link, judged: DiagnosedInertial, mended: InertialRepair | None, *, message: str
+) -> str:
     """Say how to undo a mistake that is not certain, and what to do if it is another one."""
     diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, link)
+    if mended is None:
+        return "compute the inertial again"
+    if message == "slight":
+        return f"write {mended.words}"
     if diagnosis.detail.endswith(COMMENTED):
         return f"write {mended.words}, or the mass of the comment if the part weighs that much"
+    if _leaves_another_mistake(model, link, judged):
+        return f"compute the inertial again{format_comparison(describe_drawn_inertial(model, link, with_com=True))}"
     if diagnosis.cause in _OF_PLACE:
         return f"write {mended.words}, or correct the <origin> of the shapes if RViz shows them out of place"
     is_near = drawn is None or diagnosis.mended is None or measure_difference(diagnosis.mended, drawn) < _NEAR
     if (mended.edits or is_near) and not _is_in_doubtful_file(model, diagnosis.cause):
         return f"write {mended.words}, or compute the inertial again if that is not the mistake"
     return f"compute the inertial again, or write {mended.words} if that is the mistake"
+
+
+def _leaves_another_mistake(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the numbers are wrong in another way, too, so that undoing one mistake gives none to write: the tensor about other
+    axes is that of another length, or the pieces whose tensors were added have other densities, as the COM shows."""
+    diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, link)
+    if drawn is None or diagnosis.mended is None or diagnosis.judged_by != "mesh":
+        return False
+    if diagnosis.cause in _OF_AXES:
+        return measure_difference(diagnosis.mended, drawn) > _RIGHT
+    is_com_off = drawn.closed and diagnosis.mended_com_mismatch > NOTABLE
+    return diagnosis.cause in {"steiner_missing", "steiner_twice"} and is_com_off
 
 
 def _is_in_doubtful_file(model: Model, cause: str | None) -> bool:
@@ -566,6 +640,25 @@ def _is_drawn_elsewhere(model: Model, link: Link) -> bool:
     """Whether the origin of a link is farther from what it draws than that is long: the drawing may be in the wrong place."""
     drawn = measure_link_geometry(model, link)
     return drawn is not None and measure_hull_distance(drawn.points, np.zeros(3)) > measure_extent(drawn.points)
+
+
+def _is_drawn_off_axle(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether a wheel has its COM on its axle, and what it draws, which is round about that direction, is beside the axle: the
+    drawing may be in the wrong place."""
+    drawn = measure_link_geometry(model, link)
+    joint = next((one for one in model.joints if one.child == link.name), None)
+    if drawn is None or joint is None or not (joint.type == "continuous" or is_revolute_wheel(joint)):
+        return False
+    variances, axes = np.linalg.eigh(drawn.solid.covariance)
+    axis = np.array(joint.axis or (1.0, 0.0, 0.0))
+    axis = axis / max(float(np.linalg.norm(axis)), 1e-9)
+    along = int(np.abs(axes.T @ axis).argmax())
+    first, other = (variances[i] for i in range(3) if i != along)
+    # A rod is round, too: one beside its joint is a link of an arm, whose COM was not filled in.
+    is_disc = float(variances[along]) < float(min(first, other))
+    is_round = is_disc and abs(first - other) <= _ROUND * other and abs(float(axes[:, along] @ axis)) >= _ALONE
+    offs = [float(np.linalg.norm(com - (com @ axis) * axis)) for com in (judged.declared.com, drawn.solid.com)]
+    return is_round and offs[0] <= _FACETS * measure_extent(drawn.points) < offs[1]
 
 
 def _is_unlike_stand_in(model: Model, link: Link) -> bool:
@@ -605,10 +698,11 @@ def _find_other_mass(judged: DiagnosedInertial) -> float | None:
 
 
 def _build_mismatch_finding(model: Model, rule: Rule, judged: DiagnosedInertial, *, tensor: DeclaredTensor) -> Finding:
-    drawn = describe_drawn_inertial(model, tensor.link, with_com=judged.diagnosis.com_mismatch > NOTABLE)
+    is_com_off = judged.diagnosis.com_mismatch > NOTABLE and not _is_drawn_off_axle(model, tensor.link, judged)
+    drawn = describe_drawn_inertial(model, tensor.link, with_com=is_com_off)
     is_sure = is_tiny(model, tensor.link, judged) or _has_own_tensor(model, tensor.link, judged)
     is_sure |= is_scaled_down(model, tensor.link, judged)
-    is_sure &= tensor.link.name not in list_bolted_links(model)
+    is_sure &= tensor.link.name not in list_bolted_links(model) and not changes_body_little(model, tensor.link, judged)
     rank = (None, None) if is_sure else (Severity.INFO, Confidence.HEURISTIC)
     origin = tensor.inertial.origin
     is_com_alone = judged.diagnosis.tensor_mismatch <= NOTABLE

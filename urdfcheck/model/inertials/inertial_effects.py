@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -11,6 +12,7 @@ from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import (
     check_inertia_validity,
+    compute_parallel_axis_term,
     compute_solid_inertia,
     list_half_units,
     make_box_solid,
@@ -18,15 +20,17 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model
-from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial
-from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
+from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, compute_body_tensor
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
 )
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Mat3
+    from collections.abc import Sequence
+
+    from urdfcheck.facts.arrays import Array, Mat3
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial, VisualGeometry
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
 
@@ -45,9 +49,13 @@ SCALED, _ONE_SCALE = 5.0, 1.25
 SIMILAR, NEAR = 1.33, 1.5
 # Bodies whose formula is typed for a part that has none.
 APPROXIMATIONS = frozenset({"bounding_box", "convex_hull", "one_piece", "shell"})
-# A correction that changes the tensor by less than this part of it, and the COM by less than this part of the drawn part, or by
-# less than these metres, is worth an info: a motor or a cover changes as much.
-SLIGHT, SLIGHT_LENGTH = 0.05, 5e-3
+# A correction that changes the tensor by less than the first part of it, and the COM by less than the second of the drawn part,
+# or by less than these metres, is worth an info: a motor or a cover changes as much. It is worth none where no moment, not that
+# about the axis of a rod either, changes by more than the first part.
+SLIGHT_TENSOR, SLIGHT, SLIGHT_LENGTH = 0.1, 0.05, 5e-3
+# A rigid body with moments that change by less than this share, and with a COM that moves by less than this share of its radius
+# of gyration, or by less than these metres, moves as before (chosen: its cables weigh as much).
+_LITTLE, _LITTLE_MOVE, _LITTLE_LENGTH = 0.02, 0.01, 1e-3
 _DECIMALS = frozenset({"decimal_point", "decimal_point_of_all", "rounded"})
 # A link of a gram (kg) or less, that is less than this share of its robot.
 _MARK, _MARK_SHARE = 1e-3, 1e-3
@@ -127,9 +135,95 @@ def is_slight(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
     weight = abs(mended.mass - declared.mass)
     return (
         (moved < SLIGHT_LENGTH or moved < SLIGHT * measure_extent(drawn.points))
-        and changed < SLIGHT * float(np.linalg.norm(declared.inertia))
+        and changed < SLIGHT_TENSOR * float(np.linalg.norm(declared.inertia))
         and weight < SLIGHT * declared.mass
     )
+
+
+def changes_body_little(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether a link is fixed to others, and the body of all of them has nearly the same mass, COM and moments with the right
+    numbers of the link: those of the drawn part, or with the mistake undone. The ball of a foot is on a long leg, for example.
+
+    The other wrong links of the body count with their right numbers, for next to a tensor that is vast all others are little. Of
+    several wrong links each has its part of what is little: four brackets together are not.
+    """
+    wanted = _find_right_numbers(model, link, judged)
+    try:
+        links = model.pieces.list_body_links(link.name)
+        whole = compute_body_inertia(model, links)
+        frames = model.piece_frames
+    except FactUnavailableError:
+        return False
+    if wanted is None or whole is None or len(links) == 1:
+        return False
+    diagnoses = inertial_diagnoses(model)
+    wrong = {name: diagnoses[name] for name in links if name in diagnoses and not diagnoses[name].diagnosis.sound}
+    others = [(name, one) for name, one in wrong.items() if name != link.name]
+    swaps = [
+        (frames[name], one.declared, right)
+        for name, one in others
+        if (right := _find_right_numbers(model, model.link_by_name[name], one)) is not None
+    ]
+    before = _swap_numbers(whole, swaps)
+    after = None if before is None else _swap_numbers(before, [(frames[link.name], judged.declared, wanted)])
+    if before is None or after is None:
+        return False
+    mass, com, tensor = after
+    share = 1.0 / max(1, len(wrong))
+    gyration = float(np.sqrt(max(0.0, float(np.trace(tensor))) / (2.0 * mass)))
+    return (
+        abs(before[0] - mass) < share * _LITTLE * mass
+        and float(np.linalg.norm(before[1] - com)) < share * max(_LITTLE_LENGTH, _LITTLE_MOVE * gyration)
+        and measure_largest_change(tensor, before[2] - tensor) < share * _LITTLE
+    )
+
+
+def _swap_numbers(
+    body: tuple[float, Array, Array], swaps: Sequence[tuple[Array, DeclaredInertial, DeclaredInertial]]
+) -> tuple[float, Array, Array] | None:
+    """Return mass, COM and tensor of a ``body`` with other numbers of some links; None without mass. ``swaps``: the frame of each
+    link, and its numbers before and after."""
+    parts = [body]
+    for frame, before, after in swaps:
+        turn = frame[:3, :3]
+        for sign, one in ((-1.0, before), (1.0, after)):  # take the link out of its body, and put it in again
+            parts.append((sign * one.mass, turn @ one.com + frame[:3, 3], sign * (turn @ one.inertia @ turn.T)))
+    total = sum(mass for mass, _, _ in parts)
+    if not total > 0.0:
+        return None
+    com = sum((mass * place for mass, place, _ in parts), np.zeros(3)) / total
+    tensor = sum((one + compute_parallel_axis_term(mass, place - com) for mass, place, one in parts), np.zeros((3, 3)))
+    return total, com, tensor
+
+
+def _find_right_numbers(model: Model, link: Link, judged: DiagnosedInertial) -> DeclaredInertial | None:
+    """Return the numbers that a link should have; where its mass is right, if another mass is one that fits."""
+    mended, drawn = judged.diagnosis.mended, measure_link_geometry(model, link)
+    if mended is not None and judged.diagnosis.cause != "other_mass":
+        return mended
+    if drawn is None:
+        return None
+    tensor = compute_solid_inertia(drawn.solid, judged.declared.mass)
+    turn = judged.declared.rotation
+    return replace(judged.declared, com=drawn.solid.com, tensor=turn.T @ tensor @ turn)
+
+
+def is_next_to_nothing(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether undoing the mistake changes next to nothing about any axis: the small moment of a rod is a small part of its
+    tensor, and counts too."""
+    declared, mended = judged.declared, judged.diagnosis.mended
+    if mended is None or not is_slight(model, link, judged):
+        return False
+    return measure_largest_change(mended.inertia, declared.inertia - mended.inertia) < SLIGHT_TENSOR
+
+
+def measure_largest_change(tensor: Mat3, change: Mat3) -> float:
+    """Return the largest share by which a ``change`` of a ``tensor`` (3, 3) changes its moments; infinite if it is impossible."""
+    moments, axes = np.linalg.eigh(tensor)
+    if not moments[0] > 0.0:
+        return float("inf")
+    white = axes / np.sqrt(moments) @ axes.T
+    return float(np.abs(np.linalg.eigvalsh(white @ change @ white)).max())
 
 
 def is_vast(model: Model, link: Link, judged: DiagnosedInertial) -> bool:

@@ -18,10 +18,13 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
+    from urdfcheck.facts.inertials.inertia_tensor import Solid
     from urdfcheck.model.parts import Link
 
 # A COM that was computed from the mesh is there to within this share of the part's size, and so many times farther off before.
 _SAME_PLACE, _FARTHER = 0.005, 20.0
+# Collision shapes show a COM less exactly than the mesh.
+_MUCH_FARTHER = 5.0
 # Mistakes of the COM that fit some COM by chance; the COM of another part, of which nothing is known, included.
 _OF_COM = frozenset({None, "com_unit", "decimal_point"})
 
@@ -37,11 +40,18 @@ def name_mesh_frames(
 
 
 def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> Diagnosis:
-    if diagnosis.sound or diagnosis.cause not in _OF_COM or diagnosis.judged_by != "mesh" or not declared.com.any():
+    is_sign = diagnosis.cause == "one_sign" and diagnosis.detail.startswith("com ")
+    is_of_com = diagnosis.cause in _OF_COM or is_sign
+    if diagnosis.sound or not is_of_com or diagnosis.judged_by != "mesh" or not declared.com.any():
         return diagnosis
     pose = _get_common_origin(link)
     drawn = None if pose is None else measure_link_geometry(model, link)
-    if pose is None or drawn is None or not drawn.closed or explain_collision_stand_in(model, link) is not None:
+    if pose is None or drawn is None or not drawn.closed:
+        return diagnosis
+    stand_in = explain_collision_stand_in(model, link)
+    if stand_in == "unread" and is_sign:
+        return _turn_to_collision(declared, diagnosis, pose=pose, solid=drawn.solid)
+    if stand_in is not None or is_sign:
         return diagnosis
     turn, solid = pose[:3, :3], drawn.solid
     moved = replace(declared, com=turn @ declared.com + pose[:3, 3])
@@ -55,6 +65,17 @@ def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, di
         return diagnosis
     ruled_out = tuple(cause for cause in diagnosis.ruled_out if cause not in _OF_COM)
     return replace(diagnosis, ruled_out=ruled_out).name_cause("mesh_frame", moved, solid, unique=False)
+
+
+def _turn_to_collision(declared: DeclaredInertial, diagnosis: Diagnosis, *, pose: Array, solid: Solid) -> Diagnosis:
+    """Return the verdict with the cause ``mesh_frame`` where the COM of a link whose mesh cannot be read comes nearer to that of
+    its collision shapes with the origin of the ``<visual>`` than with one sign flipped: half a turn flips two."""
+    moved = replace(declared, com=pose[:3, :3] @ declared.com + pose[:3, 3])
+    left, before = (float(np.linalg.norm(one.com - solid.com)) for one in (moved, declared))
+    flipped = left if diagnosis.mended is None else float(np.linalg.norm(diagnosis.mended.com - solid.com))
+    if left >= flipped or before < _MUCH_FARTHER * left:
+        return diagnosis
+    return diagnosis.name_cause("mesh_frame", moved, solid, unique=False)
 
 
 def _get_common_origin(link: Link) -> Array | None:

@@ -22,13 +22,23 @@ def has_rival_formula(model: Model, tensor: DeclaredTensor, judged: DiagnosedIne
         return False
     if any(_is_right_elsewhere(model, tensor, other) for other in model.tensors):
         return True
-    ixx, ixy, ixz, iyy, iyz, izz = tensor.components
-    if max(map(abs, (ixy, ixz, iyz))) > _NO_PRODUCT * max(ixx, iyy, izz):
-        return False
     own = next((kinds for name, kinds in _OWN.items() if diagnosis.detail.startswith(name)), frozenset[str]())
     if diagnosis.cause == "bounding_box":
         own = _BOXES
-    return bool(name_simple_solids(judged.declared.mass, (ixx, iyy, izz)) - own)
+    return bool(_name_solids(tensor, judged.declared.mass) - own)
+
+
+def has_round_solid(tensor: DeclaredTensor, mass: float) -> bool:
+    """Whether a tensor is that of a box or a cylinder of this ``mass`` (kg) and of round size, to the digits typed: a
+    formula made it."""
+    return bool(_name_solids(tensor, mass) & {"box", "cylinder"})
+
+
+def _name_solids(tensor: DeclaredTensor, mass: float) -> frozenset[str]:
+    ixx, ixy, ixz, iyy, iyz, izz = tensor.components
+    if max(map(abs, (ixy, ixz, iyz))) > _NO_PRODUCT * max(ixx, iyy, izz):
+        return frozenset()
+    return name_simple_solids(mass, (ixx, iyy, izz))
 
 
 def _is_right_elsewhere(model: Model, tensor: DeclaredTensor, other: DeclaredTensor) -> bool:
