@@ -134,7 +134,9 @@ def find_mirror_plane(
                 if count >= least and (count, exact) > most:
                     best, most = (plane, count), (count, exact)
         if best is not None:
-            return best if directions is normals else _straighten_plane(best, first, second, normals, tolerance=tolerance)
+            return (
+                best if directions is normals else _straighten_plane(best, first, second, normals, tolerance=tolerance)
+            )
     return None
 
 
