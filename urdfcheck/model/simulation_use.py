@@ -268,8 +268,8 @@ def names_unitless_program(model: Model) -> bool:
 
 
 def ignores_self_collisions(model: Model) -> bool:
-    """Whether the files of the model's package, and of packages that depend on it, name Gazebo and nothing else in which the links
-    of one robot collide, and no element of the robot makes them collide there."""
+    """Whether the files of the model's package, and of packages that depend on it, name Gazebo and nothing else in which links of
+    one robot collide, and no element of the robot makes them collide there."""
     texts = _list_project_texts(model)
     if model.source.package is None or not any(map(_GAZEBO.search, texts)):
         return False
