@@ -55,8 +55,15 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float)
             **data,
         )
     elif not hanging and math.degrees(pose.tilt) > lean:
-        yield rule.finding("leans", at=place, root=model.tree.root, **data)
+        yield rule.finding("leans", at=place, root=_name_body(model), **data)
     yield from _check_body(model, rule, pose, lean=lean, data=data)
+
+
+def _name_body(model: Model) -> str:
+    """Return the first link of the root's body that has a shape: a root called odom or base_footprint is only a frame."""
+    base = model.tree.list_body_links(model.tree.root)
+    shaped = (name for name in base if model.link_by_name[name].visuals or model.link_by_name[name].collisions)
+    return next(shaped, model.tree.root)
 
 
 def _find_casters_level_as_drawn(model: Model, pose: RestPose) -> list[str]:
