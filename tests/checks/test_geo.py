@@ -686,3 +686,56 @@ def test_a_rim_and_its_tyre_are_one_wheel(tmp_path: Path, kind: str, tyre: float
             '<axis xyz="0 1 0"/></joint>',
         ]
     assert bool(find(tmp_path, robot("".join(parts)), "GEO003")) == found
+
+
+# -- GEO005 ---------------------------------------------------------------------------------------------------------
+
+SLAB = "\n".join(
+    (
+        *(f"v {x} {y} {z}" for x, y, z in product((0, 0.1), (0, 0.05), (0, 0.3))),
+        *[
+            "f 1 2 4",
+            "f 1 4 3",
+            "f 5 7 8",
+            "f 5 8 6",
+            "f 1 5 6",
+            "f 1 6 2",
+            "f 3 4 8",
+            "f 3 8 7",
+            "f 1 3 7",
+            "f 1 7 5",
+            "f 2 6 8",
+            "f 2 8 4",
+        ],
+    )
+)
+
+
+@pytest.mark.parametrize(
+    ("turns", "com", "severity"),
+    [
+        (("-1.5708 0 0",) * 3, "0.05 0.025 0.15", Severity.INFO),
+        # Then what collides and weighs is not known to be right.
+        (("-1.5708 0 0",) * 3, "0 0 0", Severity.WARNING),
+        # One part was moved, and its collision left behind.
+        (("-1.5708 0 0", "0 0 0", "0 0 0"), "0.05 0.025 0.15", Severity.WARNING),
+    ],
+)
+def test_visuals_that_are_all_rotated_for_a_viewer(
+    tmp_path: Path, turns: tuple[str, ...], com: str, severity: Severity
+) -> None:
+    (tmp_path / "slab.obj").write_text(SLAB)
+    mesh = '<mesh filename="slab.obj"/>'
+    parts = [
+        link(
+            name,
+            inertial(1, 0.01, com=com),
+            geometry("visual", mesh, f'<origin rpy="{turn}"/>'),
+            geometry("collision", mesh, '<origin rpy="0 0 0"/>'),
+        )
+        for name, turn in zip("abc", turns, strict=True)
+    ]
+    found = find(tmp_path, robot(*parts, make_joint("a", "b"), make_joint("b", "c")), "GEO005")
+    assert found
+    assert {finding.severity for finding in found} == {severity}
+    assert bool(found[0].fix and found[0].fix.edits) == (com == "0 0 0")

@@ -1019,7 +1019,8 @@ def test_a_broken_mesh_may_be_what_a_test_needs(tmp_path: Path, folder: str) -> 
     ("role", "manifest", "kind", "message"),
     [
         ("visual", "<depend>gazebo_ros</depend>", "fixed", "unit-drawn"),
-        ("visual", "<depend>gazebo_ros</depend>", "revolute", "unit"),
+        ("visual", "<depend>gazebo_ros</depend>", "revolute", "unit-drawn"),
+        ("visual", "<depend>pinocchio</depend>", "revolute", "unit"),
         ("collision", "<depend>gazebo_ros</depend>", "fixed", "unit"),
         ("visual", "<depend>pinocchio</depend>", "fixed", "unit"),
     ],

@@ -239,3 +239,13 @@ def test_a_limit_saves_only_what_is_not_below_it() -> None:
         for limit in (0.0, exact / 2.0, exact * 2.0):
             limited = measure_outline_mismatch(one, other, linear=turn, shift=np.zeros(3), limit=limit)
             assert limited == exact or limit <= limited <= exact
+
+
+def test_a_pair_that_is_out_of_its_place_spans_no_leaning_plane() -> None:
+    """Front axles that are 1.6 mm apart lengthwise, each with its wheel, do not turn the middle plane of a car."""
+    ones = np.array([(0.54838, 0.24619, 0.002), (0.0, 0.252, -0.0025), (0.54838, 0.24619, 0.002)])
+    others = ones * (1, -1, 1) + np.array([(0.00161, 0, 0), (0, 0, 0), (0.00161, 0, 0)])
+    found = find_mirror_plane(ones, others, AXES, tolerance=1.5e-3)
+    assert found is not None
+    assert_allclose(found[0].normal, (0, 1, 0))
+    assert found[1] == 1

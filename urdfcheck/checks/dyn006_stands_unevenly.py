@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Located, Rule
+from urdfcheck.core import Finding, Located, Location, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.rest_pose import RestPose, find_rest_pose
@@ -17,12 +17,14 @@ from urdfcheck.model.ground.rest_words import (
     locate_uneven_cause,
 )
 from urdfcheck.model.ground.wheels import is_on_vertical_slide
+from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.model.shapes.corners import compute_shape_corners
 from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
 
 _RAISE = "raise or shorten the collision of {link}, or lower wheels and casters"
 _COPY = "copy the <origin> of the <visual> to the <collision>"
+_AS_DRAWN = "give the collision of {links} the shape and place of the visual, or move it if the visual is wrong"
 
 
 def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float) -> Iterator[Finding]:
@@ -36,19 +38,52 @@ def check(model: Model, rule: Rule, *, spread: float, least: float, lean: float)
         "reason": f"; {reason}" if (reason := describe_uneven_reason(pose)) else "",
         "repair": describe_level_repair(pose),
     }
+    drawn_level = _find_casters_level_as_drawn(model, pose)
+    place: Located | Location = locate_uneven_cause(model, pose)
+    if drawn_level:
+        place = locate_geometry(model.link_by_name[drawn_level[0]].collisions[0])
+        data["reason"] += ", but not as drawn"
+        data["repair"] = _AS_DRAWN.format(links=join_names(drawn_level))
     if hanging and data["supports"]:
         gaps = [pose.heights[wheel.joint.child] for wheel in hanging]
         yield rule.finding(
             "unloaded",
-            at=locate_uneven_cause(model, pose),
+            at=place,
             related=[locate_origin_attribute(wheel.joint, "xyz") for wheel in hanging],
             wheels=join_names(wheel.joint.child for wheel in hanging),
             gap=max(gaps) * 1e3,
             **data,
         )
     elif not hanging and math.degrees(pose.tilt) > lean:
-        yield rule.finding("leans", at=locate_uneven_cause(model, pose), root=model.tree.root, **data)
+        yield rule.finding("leans", at=place, root=_name_body(model), **data)
     yield from _check_body(model, rule, pose, lean=lean, data=data)
+
+
+def _name_body(model: Model) -> str:
+    """Return the first link of the root's body that has a shape: a root called odom or base_footprint is only a frame."""
+    base = model.tree.list_body_links(model.tree.root)
+    shaped = (name for name in base if model.link_by_name[name].visuals or model.link_by_name[name].collisions)
+    return next(shaped, model.tree.root)
+
+
+def _find_casters_level_as_drawn(model: Model, pose: RestPose) -> list[str]:
+    """List the casters that collide at another height than the wheels, if each of them is drawn at most half as far from it: then
+    its collision shape is the cause, and to move the joint would spoil what is drawn."""
+    odd = find_odd_casters(pose)
+    for name, drop in odd.items():
+        link, ends = model.link_by_name[name], []
+        if not link.collisions:
+            return []
+        for shapes in (link.collisions, link.visuals):
+            corners = [compute_shape_corners(model, one, circumscribed=False) for one in shapes]
+            known = [points for points in corners if points is not None]
+            if not corners or len(known) < len(corners):
+                return []
+            ends.append(min(float((points @ model.frames[name][2, :3]).min()) for points in known))
+        # How much lower it is drawn than it collides.
+        if abs(drop + ends[0] - ends[1]) > abs(drop) / 2:
+            return []
+    return list(odd)
 
 
 def _check_body(model: Model, rule: Rule, pose: RestPose, *, lean: float, data: dict[str, Any]) -> Iterator[Finding]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# Names of links that stand for nothing that touches, and the share of the robot's mass that such a link has at most.
+_SHOWN_NAME = re.compile(r"virtual|dummy|marker|indicator", re.IGNORECASE)
+_NO_MASS = 1e-3
 # What MuJoCo does where the file tells it to keep visuals (checked with MuJoCo 4.0).
 _UNUSED = "No SRDF was found in its package, and no file there names the model beside a simulator"
 _KEPT = "draws the link, but nothing touches it"
@@ -116,7 +120,19 @@ def _is_exempt(model: Model, body: RigidLinkGroup, sheltered: float) -> bool:
     weighs = any(model.link_by_name[name].inertial is not None for name in body.links)
     if not weighs and any(link.inertial is not None for link in model.links):
         return True
+    if _is_pointer(model, body):
+        return True
     return _is_wheel_carrier(model, body) or _is_sheltered(model, body, sheltered)
+
+
+def _is_pointer(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether names say that a body is only shown, as the steering wheel of a plugin, and it weighs next to nothing: Gazebo shows
+    no link without an inertial."""
+    joint = model.tree.parent_joint[body.links[0]]
+    if not any(_SHOWN_NAME.search(name) for name in (joint.name, *body.links)) or any(_list_moved_links(model, body)):
+        return False
+    mass = {link.name: link.inertial.mass or 0.0 for link in model.links if link.inertial is not None}
+    return sum(mass.get(name, 0.0) for name in body.links) <= _NO_MASS * sum(mass.values())
 
 
 def _find_counterparts(model: Model, missing: Sequence[RigidLinkGroup]) -> dict[str, str]:

@@ -178,19 +178,30 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
             keeps_room = message == "size" and not units and owner is None and _keeps_room(link, pair)
             meant = _find_drawn_neighbour(model, body, link, pair) if message == "apart" and owner is None else None
             repair = _describe_repair(message, pair, owner)
-            if keeps_room:
+            exchanged = None if units or owner is not None else _find_exchanged(model, body, link, overlap)
+            if exchanged is not None:
+                names = f"{link.name} and {exchanged.name}"
+                repair = (
+                    f"exchange the <collision> of {names}, with origins that leave both in place at rest, "
+                    f"if each is the other's; otherwise {repair}"
+                )
+            elif keeps_room:
                 repair = f"nothing if more room is meant to be kept; otherwise {repair}"
             elif meant is not None:
                 repair = f"nothing if it is meant for {meant.name}, which is drawn there; otherwise {repair}"
+            elif message == "apart" and owner is None and (around := _find_drawn_around(model, body, link, pair)):
+                repair = (
+                    f"move it to {around.name}, which is drawn there, if it is meant for that link; otherwise {repair}"
+                )
             yield rule.finding(
                 "token" if is_token else message,
                 at=_locate(link, message),
                 severity=Severity.INFO
                 if is_token or meant is not None or (keeps_room and len(link.collisions) > 1)
                 else None,
-                cause="units" if units else "neighbour" if owner else None,
+                cause="units" if units else "neighbour" if owner else "exchanged" if exchanged else None,
                 repair=repair,
-                owner=owner.link.name if owner else "",
+                owner=owner.link.name if owner else exchanged.name if exchanged else "",
                 twin=owner.twin if owner else "",
                 **_collect_data(link, pair, units),
             )
@@ -307,13 +318,51 @@ def _find_owner(model: Model, body: RigidLinkGroup, link: Link) -> _Owner | None
     return None
 
 
+def _find_exchanged(model: Model, body: RigidLinkGroup, link: Link, overlap: float) -> Link | None:
+    """Find the link in front or behind with which ``link`` may have exchanged its collision geometry: what collides of either is,
+    at rest, where the other is drawn, and of one of them not where it is drawn itself."""
+    home = np.linalg.inv(model.frames[link.name])
+    boxes = _compute_role_boxes(model, link, np.eye(4))
+    for name in list_neighbour_links(model, body):
+        others = _compute_role_boxes(model, model.link_by_name[name], home @ model.frames[name])
+        if boxes is None or others is None:
+            continue
+        (drawn, solid), (other_drawn, other_solid) = boxes, others
+        crosswise = (_BoxPair(drawn, other_solid).overlap, _BoxPair(other_drawn, solid).overlap)
+        own = (_BoxPair(drawn, solid).overlap, _BoxPair(other_drawn, other_solid).overlap)
+        if min(crosswise) >= _OWN and min(own) < overlap and max(own) < min(crosswise):
+            return model.link_by_name[name]
+    return None
+
+
+def _compute_role_boxes(model: Model, link: Link, place: Array) -> tuple[Array, Array] | None:
+    """Return the boxes of what a link draws and of what collides of it, along other axes; None if one has no size."""
+    boxes = [
+        compute_bounding_box(model, [(shape, place) for shape in shapes if not is_dummy_shape(shape)])
+        for shapes in (link.visuals, link.collisions)
+    ]
+    drawn, solid = boxes
+    if drawn is None or solid is None or not _measure_diagonal(drawn) or not _measure_diagonal(solid):
+        return None
+    return drawn, solid
+
+
+def _find_drawn_around(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair) -> Link | None:
+    """Find the link in front or behind that is drawn where the collision geometry of ``link`` is, whatever its size."""
+    if pair.is_one_shape:
+        return None
+    return next(_iter_drawn_neighbours(model, body, link, is_any_size=True), None)
+
+
 def _find_drawn_neighbour(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair) -> Link | None:
     """Find the link in front or behind for which the collision geometry of ``link`` may be meant; none if it is as large, edge by
     edge, as what ``link`` draws: then it is its own."""
     return None if pair.is_one_shape else next(_iter_drawn_neighbours(model, body, link), None)
 
 
-def _iter_drawn_neighbours(model: Model, body: RigidLinkGroup, link: Link) -> Iterator[Link]:
+def _iter_drawn_neighbours(
+    model: Model, body: RigidLinkGroup, link: Link, *, is_any_size: bool = False
+) -> Iterator[Link]:
     """Yield the links in front and behind that are drawn where the collision geometry of ``link`` is, at rest, about as large."""
     home = np.linalg.inv(model.frames[link.name])
     box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
@@ -325,7 +374,7 @@ def _iter_drawn_neighbours(model: Model, body: RigidLinkGroup, link: Link) -> It
         if box is None or drawn is None or not _measure_diagonal(drawn):
             continue
         fit = _BoxPair(drawn, box)
-        if fit.overlap >= _OWN and 1 / _ALIKE <= fit.ratio <= _ALIKE:
+        if fit.overlap >= _OWN and (is_any_size or 1 / _ALIKE <= fit.ratio <= _ALIKE):
             yield neighbour
 
 

@@ -3,30 +3,59 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+
+import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.model import Model
-from urdfcheck.model.shapes.displaced_collisions import list_displaced_collisions
+from urdfcheck.model import Link, Model
+from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
+
+# A COM is that of the collision if it is so near, as a share of the size, and so many times nearer than to the visual.
+_NEAR, _NEARER = 0.25, 3.0
+# So many links are drawn rotated alike on purpose.
+_VIEWED = 3
+_EITHER = "copy the <origin> of the <visual> to the <collision>, or vice versa, whichever is right"
+_BOTH = (
+    "if what is drawn is right, move <collision> and <inertial> there; "
+    "otherwise copy the <origin> of the <collision> to the <visual>"
+)
+_DRAWING = (
+    "nothing if a viewer needs the visuals rotated; otherwise copy the <origin> of each <collision> to the <visual>"
+)
 
 
 def check(
     model: Model, rule: Rule, *, distance: float, angle: float, apart: float, rotated: float
 ) -> Iterator[Finding]:
-    for displaced in list_displaced_collisions(model, distance=distance, angle=angle):
+    all_displaced = [*list_displaced_collisions(model, distance=distance, angle=angle)]
+    viewed = _list_rotated_drawings(model, all_displaced, distance=distance, angle=angle)
+    for displaced in all_displaced:
         collision = displaced.collision
         # An angle in degrees is not one in radians (JNT012): how far the two are rotated is not known before it is corrected.
         is_known = not displaced.has_angles_beyond_turns
         if not is_known and displaced.moved <= distance:
             continue
         xyz = collision.shape.origin.get_attribute("xyz")
+        nearer = _compare_com_distances(model, displaced.link)
+        is_com_there = nearer >= _NEARER and not _has_typed_com(displaced)
+        is_viewed = displaced.link.name in viewed
+        is_wide = displaced.moved > apart or (is_known and displaced.turned > rotated)
         yield rule.finding(
             "differs",
             at=collision.place,
             related=[displaced.visual.place],
-            cause="rpy_in_xyz" if displaced.has_angles_as_position else None,
-            edits=displaced.propose_edits() if is_known else (),
-            severity=Severity.WARNING if displaced.moved > apart or (is_known and displaced.turned > rotated) else None,
+            cause="rpy_in_xyz"
+            if displaced.has_angles_as_position
+            else "viewer"
+            if is_viewed
+            else "com"
+            if is_com_there
+            else None,
+            # The COM is on the side of the collision: to move that would spoil it.
+            edits=displaced.propose_edits() if is_known and nearer <= 1.0 else (),
+            severity=Severity.WARNING if is_wide and not is_viewed else None,
+            repair=_DRAWING if is_viewed else _BOTH if is_com_there else _EITHER,
             link=displaced.link.name,
             mesh=collision.what,
             shape=f"mesh {collision.what}" if collision.shape.kind == "mesh" else collision.what,
@@ -38,3 +67,49 @@ def check(
             explains=[f"GEO003 {displaced.link.element.label}"] if displaced.moved > apart else [],
             xyz="" if xyz is None else xyz.value,
         )
+
+
+def _list_rotated_drawings(
+    model: Model, found: Sequence[DisplacedCollision], *, distance: float, angle: float
+) -> frozenset[str]:
+    """List the links of a robot whose visuals all are rotated alike against collisions on which the COMs are, in one place: they
+    were drawn for a viewer that reads meshes with another axis up, and what moves and touches is right. None of a few links."""
+    links = [one for one in model.links if one.visuals and one.collisions]
+    displaced = {one.link.name: one for one in found}
+    if len(links) < _VIEWED or len(displaced) < len(links):
+        return frozenset()
+    turns = [one.collision.pose[:3, :3].T @ one.visual.pose[:3, :3] for one in displaced.values()]
+    alike = all(float(np.abs(turn - turns[0]).max()) <= angle for turn in turns)
+    is_quarter = float(np.abs(np.abs(turns[0]) - np.rint(np.abs(turns[0]))).max()) <= angle
+    still = all(one.moved <= distance for one in displaced.values())
+    if not (alike and is_quarter and still):
+        return frozenset()
+    fits = [_compare_com_distances(model, one.link) >= _NEARER for one in displaced.values()]
+    # A COM on the axis of the rotation is as near to either.
+    return frozenset(displaced) if sum(fits) * 2 >= len(fits) else frozenset()
+
+
+def _compare_com_distances(model: Model, link: Link) -> float:
+    """Return how many times nearer the COM of a link is to the middle of what collides than to that of what is drawn.
+
+    1 if it is as near to the latter or nothing typed it, and at most 2 if it is not about in the middle of what collides.
+    """
+    from urdfcheck.model.shapes.visual_solid import measure_role_geometry  # loaded only where a finding is made
+
+    inertial = link.inertial
+    xyz = None if inertial is None else inertial.origin.xyz
+    drawn, solid = (measure_role_geometry(model, link, role) for role in ("visual", "collision"))
+    if xyz is None or not any(xyz) or drawn is None or solid is None:
+        return 1.0
+    to_drawn, to_solid = (float(np.linalg.norm(np.array(xyz) - one.solid.com)) for one in (drawn, solid))
+    size = math.sqrt(float(np.trace(solid.solid.covariance)))
+    if to_solid >= to_drawn:
+        return 1.0
+    return to_drawn / max(to_solid, 1e-9) if to_solid <= _NEAR * size else min(2.0, to_drawn / to_solid)
+
+
+def _has_typed_com(displaced: DisplacedCollision) -> bool:
+    """Whether the COM is the place of the collision as typed: then it may have been copied, and proves nothing."""
+    inertial, xyz = displaced.link.inertial, displaced.collision.shape.origin.xyz or (0.0, 0.0, 0.0)
+    com = None if inertial is None else inertial.origin.xyz
+    return com is None or float(np.abs(np.subtract(com, xyz)).max()) < 1e-6

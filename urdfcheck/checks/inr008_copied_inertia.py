@@ -18,9 +18,9 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.inertials.inertial_effects import is_vast
+from urdfcheck.model.inertials.inertial_effects import LIGHT, is_light, is_vast
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.rigid_bodies import is_point_mass
+from urdfcheck.model.rigid_bodies import compute_body_tensor, is_point_mass
 from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_role_geometry
 
@@ -67,6 +67,12 @@ class _InertiaSignature:
         weight = np.log(self.mass / other.mass)
         pairs = ((self.solid, other.solid), (self.hull, other.hull))
         return min(_compare_moments(first + weight, second) for first, second in pairs)
+
+    @property
+    def moment_misfit(self) -> float:
+        """The largest ratio of a principal moment of the tensor to that of the drawn part at its mass, as a solid or a hull: the
+        lesser."""
+        return min(_compare_moments(self.inertia, drawn) for drawn in (self.solid, self.hull))
 
     @property
     def misfit(self) -> float:
@@ -151,7 +157,8 @@ def _compare_shapes(
         for part in others
         if part.measure_shape_distance(original) > shape and part.compare_moments(original) >= moments
     ]
-    if not copies:
+    # One estimate for parts of about one size is near to each of them.
+    if not copies or all(part.moment_misfit < moments for part in (original, *copies)):
         return
     # If the tensor fits no part well, or several, which of them is the copy is not known: the finding is about all that have it.
     fits = original.misfit <= 2 * shape and original.is_in_place
@@ -192,7 +199,11 @@ def _build_finding(
         "copied" if known else "shared",
         at=places[0],
         related=[original.declared.element, *places[1:]] if known else places[1:],
-        severity=Severity.ERROR if vast else None,
+        severity=Severity.ERROR
+        if vast
+        else Severity.INFO
+        if all(_is_slight_part(model, part) for part in wrong)
+        else None,
         links=join_names([part.declared.link.name for part in wrong]),
         original=original.declared.link.name,
         worst=worst.declared.link.name,
@@ -209,6 +220,15 @@ def _build_finding(
         explains=[f"INR009 link[{name}]" for name in explained],
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.subject for element in places)))
+
+
+def _is_slight_part(model: Model, part: _InertiaSignature) -> bool:
+    """Whether a link is fixed to a body that its mass and its tensor hardly change."""
+    link = part.declared.link
+    if not is_light(model, link):
+        return False
+    whole = compute_body_tensor(model, model.pieces.list_body_links(link.name))
+    return whole is not None and float(np.trace(part.declared.tensor)) < LIGHT * float(np.trace(whole))
 
 
 def _describe_repair(shared: str, original: _InertiaSignature, *, known: bool) -> str:

@@ -138,9 +138,8 @@ def _build_unit_finding(
         (False, True): "it is wrong in RViz and right where the unit is ignored",
     }.get((limits.is_plausible(drawn), limits.is_plausible(plain)), "one of them is wrong")
     names = list(dict.fromkeys(use.name for use in uses))
-    # A thing without joints that is only drawn, and right where it is drawn, is wrong for programs that the project does not use.
-    is_thing = not any(joint.is_movable for joint in model.joints)
-    is_drawn = is_thing and not _has_collision(uses) and limits.is_plausible(drawn)
+    # What is only drawn, and right where it is drawn, is wrong for programs that the project does not use.
+    is_drawn = not _has_collision(uses) and limits.is_plausible(drawn)
     is_drawn_right = is_drawn and not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
     finding = rule.finding(
         "unit-drawn" if is_drawn_right else "unit",

@@ -10,12 +10,15 @@ import numpy as np
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.model.ground.rest_pose import is_caster_joint
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
 from urdfcheck.model.ground.wheels import Wheel
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.repairs.number_text import keep_notation
 
+# Casters of published robots are up to so much (m) off the plane of their driven wheels, partly on purpose (DYN006).
+_PLAY = 3e-3
 # Wheels of one row, or of one axle, are level with each other to this (m, chosen).
 _IN_ROW = 1e-3
 
@@ -39,7 +42,7 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
     if odd is None:
         yield rule.finding(
             "axles" if footing.are_axles else "uneven",
-            severity=Severity.INFO if footing.are_axles else None,
+            severity=Severity.INFO if footing.are_axles or _is_play_of_casters(wheels, least) else None,
             at=_locate_xyz(wheels[0].joint),
             related=[_locate_xyz(wheel.joint) for wheel in wheels[1:]],
             count=len(wheels),
@@ -61,7 +64,17 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
     before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
     if abs(odd.rise) > odd.wheel.radius or not _is_in_rows(odd.wheel, wheels):
         edits = []  # it is not its height alone that is wrong
-    yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, **data)
+    severity = Severity.INFO if _is_play_of_casters(wheels, least) else None
+    yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, severity=severity, **data)
+
+
+def _is_play_of_casters(wheels: Sequence[Wheel], least: float) -> bool:
+    """Whether the driven wheels are level, and only casters end a little above them: the load stays on the driven wheels."""
+    driven = [float(wheel.contact[2]) for wheel in wheels if not is_caster_joint(wheel.joint)]
+    turned = [float(wheel.contact[2]) for wheel in wheels if is_caster_joint(wheel.joint)]
+    if len(driven) < 2 or not turned or max(driven) - min(driven) > least:
+        return False
+    return min(driven) - least <= min(turned) and max(turned) - max(driven) <= _PLAY
 
 
 def _is_in_rows(wheel: Wheel, wheels: Sequence[Wheel]) -> bool:

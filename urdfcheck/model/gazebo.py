@@ -61,7 +61,20 @@ def list_loop_joints(model: Model) -> list[tuple[str, str, str]]:
             and {one.text.strip(), other.text.strip()} <= model.link_by_name.keys()
         ):
             loops.append((joint.get("type").strip(), one.text.strip(), other.text.strip()))
-    return loops
+    return loops + _list_detachable_joints(model)
+
+
+def _list_detachable_joints(model: Model) -> list[tuple[str, str, str]]:
+    """Return the fixed joints that the DetachableJoint system adds between two links of the robot itself, to close a loop."""
+    found = []
+    for block in model.robot.find_children("gazebo"):
+        for plugin in (e for e in block.children if e.tag == "plugin" and e.get("name").endswith("DetachableJoint")):
+            texts = {e.tag: e.text.strip() for e in plugin.children}
+            one, other = texts.get("parent_link", ""), texts.get("child_link", "")
+            is_own = texts.get("child_model", "") in {model.name, "__model__", ""}
+            if is_own and {one, other} <= model.link_by_name.keys():
+                found.append(("fixed", one, other))
+    return found
 
 
 def collect_plugin_texts(model: Model) -> frozenset[str]:

@@ -37,6 +37,10 @@ _ROS_CONTROL = re.compile(
 )
 # Programs that check a robot for collisions with itself, in manifests, launch files and scripts.
 _COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tesseract|\bompl\b|curobo", re.IGNORECASE)
+# Engines in which the links of one robot collide, at least on request, without an element of its file.
+_COLLIDING_ENGINE = re.compile(
+    r"mujoco|mjcf|isaac|drake|bullet|webots|coppelia|raisim|newton|genesis|sapien", re.IGNORECASE
+)
 # Programs that compute with masses without being simulators, in launch files and scripts.
 _DYNAMICS = re.compile(r"pinocchio|rbdl|\bkdl|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE)
 # Programs that draw a COLLADA file as if it were in metres, in manifests and scripts.
@@ -261,6 +265,22 @@ def names_unitless_program(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, names a program that ignores the unit of a
     COLLADA file. True where the model has no package."""
     return model.source.package is None or any(map(_UNITLESS.search, _list_project_texts(model)))
+
+
+def ignores_self_collisions(model: Model) -> bool:
+    """Whether the files of the model's package, and of packages that depend on it, name Gazebo and nothing else in which links of
+    one robot collide, and no element of the robot makes them collide there."""
+    texts = _list_project_texts(model)
+    if model.source.package is None or not any(map(_GAZEBO.search, texts)):
+        return False
+    if any(_COLLISION_CHECKER.search(text) or _COLLIDING_ENGINE.search(text) for text in texts):
+        return False
+    blocks = (element for block in model.robot.find_children("gazebo") for element in block.walk())
+    return not any(
+        strip_namespace(element.tag).lower().replace("_", "") == "selfcollide"
+        and element.text.strip().lower() in {"true", "1"}
+        for element in blocks
+    )
 
 
 def names_mimic_engine(model: Model) -> bool:

@@ -38,6 +38,9 @@ _MIRRORED_SHARE = 0.6
 _MIN_PAIRS = 2
 # Points (m) that were typed as mirror images are mirrored to within the rounding of sums.
 _EXACT = 1e-6
+# A plane that leans by less (cosine of 10°) from one of the preferred ones has to mirror two places: one pair that is a few
+# millimetres off spans a leaning plane by itself, and what hangs on it agrees.
+_LEANS_LESS, _MIN_PLACES = 0.985, 2
 # Pairs whose own direction and midpoint are tried, to limit the time.
 _MAX_TRIED_PAIRS = 64
 
@@ -102,7 +105,8 @@ def find_mirror_plane(
     of them; its offset is the median of the midpoints, or that of one of them. A pair counts if its points are apart and the
     image is within ``tolerance`` (m); of planes with equally many, the first with the most exact images is taken: a body that is
     rotated by 1.57 for π/2 is symmetric in its own axes only. None if fewer than 60 % of the pairs that are apart agree, or,
-    with one of ``normals``, fewer than two: one misplaced joint moves all its descendants.
+    with one of ``normals``, fewer than two: one misplaced joint moves all its descendants. A plane that leans from one of
+    ``normals`` by less than 10° and mirrors one place only gives way to the latter.
     """
     first, second = np.asarray(ones, dtype=float), np.asarray(others, dtype=float)
     apart = np.linalg.norm(second - first, axis=1) > tolerance
@@ -130,8 +134,28 @@ def find_mirror_plane(
                 if count >= least and (count, exact) > most:
                     best, most = (plane, count), (count, exact)
         if best is not None:
-            return best
+            return (
+                best if directions is normals else _straighten_plane(best, first, second, normals, tolerance=tolerance)
+            )
     return None
+
+
+def _straighten_plane(
+    found: tuple[MirrorPlane, int], first: Array, second: Array, normals: Sequence[Vec3], *, tolerance: float
+) -> tuple[MirrorPlane, int]:
+    """Return the plane across one of ``normals`` instead of one that leans from it and mirrors one place only."""
+    plane, _ = found
+    normal = next((n for n in normals if _LEANS_LESS < abs(float(n @ plane.normal)) < 1.0), None)
+    if normal is None:
+        return found
+    mirrored = np.linalg.norm(plane.reflect_points(first) - second, axis=1) <= tolerance
+    places = {tuple(np.round(pair / tolerance)) for pair in np.hstack((first, second))[mirrored]}
+    if len(places) >= _MIN_PLACES:
+        return found
+    heights = (first + second)[mirrored] @ normal / 2.0
+    straight = MirrorPlane(normal, compute_median(heights))
+    errors = np.linalg.norm(straight.reflect_points(first) - second, axis=1)
+    return straight, int((errors <= tolerance).sum())
 
 
 def measure_outline_mismatch(

@@ -263,6 +263,8 @@ def _refit_without_hinges(
     again = find_mirror_plane(ones, others, normals=[plane.normal], tolerance=tolerance)
     if again is None or again[1] < _MIN_FIRM or abs(again[0].offset - plane.offset) <= PLACE:
         return fitted
+    if abs(float(again[0].normal @ plane.normal)) < _PARALLEL:
+        return fitted  # one pair that is out of its place spans a plane that leans
     mirrored = [_measure_misplacement(model, again[0], names) <= tolerance * 1e6 for names in group]
     return (again[0], sum(mirrored)) if sum(mirrored) >= agreeing else fitted
 
