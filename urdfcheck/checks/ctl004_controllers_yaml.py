@@ -27,6 +27,7 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.model.simulation_use import is_simulated_hardware
 from urdfcheck.source.load import read_xacro_source
 from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.package.finder import format_path
@@ -43,6 +44,13 @@ MOST_HINTS = 100
 _DISTRIBUTIONS = "/opt/ros/"
 # A path into an installed package.
 _INSTALLED = re.compile(r"/share/([\w-]+)/(.+)$")
+# A workspace and what is in it.
+_WORKSPACE = re.compile(r"(/.+?)/(?:install|devel|src|share)/")
+# The files that describe a container.
+_CONTAINER_FILE = re.compile(r"Dockerfile|Containerfile|compose[\w.-]*\.ya?ml$|^devcontainer\.json$", re.IGNORECASE)
+_CONTAINER_FOLDERS = ("", "docker", ".docker", ".devcontainer")
+_OUTSIDE = "drops the control plugin outside that container: no controller manager starts"
+_OF_GAZEBO = re.compile(r"gazebo|gz_|ign_", re.IGNORECASE)
 _BARE = "; and no launch file here is seen to run xacro on this .urdf: without it the plugin gets `$(find …)` as it is typed"
 OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tricycle_controller/TricycleController"})
 
@@ -97,23 +105,31 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 near=f" ({join_names(like, 2)} {'has' if len(like) == 1 else 'have'} this name)" if like else "",
                 also="; and let the launch file run xacro on this file" if is_bare else "",
             )
-        elif parameters.literal and parameters.text.startswith("/") and not parameters.text.startswith(_DISTRIBUTIONS):
+        elif _is_of_one_machine(parameters) and not _names_other_simulator(model):
             portable = _find_portable_path(model, parameters)
             package, below = portable or _read_package_in_path(model, parameters.text) or ("package", "config/…")
             is_certain = model.source.is_xacro and portable is not None
             text = f"$(find {package})/{below}"
+            is_shared = _is_in_container(model, parameters.text)
             yield rule.finding(
                 "machine",
                 at=parameters.element,
-                severity=Severity.WARNING,
+                severity=Severity.INFO if is_shared else Severity.WARNING,
+                consequences={"gazebo": _OUTSIDE} if is_shared else None,
                 edits=edit_content(parameters.element, text, model.source.files) if is_certain else (),
                 how=_describe_how(model, parameters.element),
                 also=_describe_absence(model, package, below) if parameters.path is None else "",
                 package=package,
                 below=below,
                 path=parameters.text,
+                owner="container" if is_shared else "machine",
                 found=f" (here {shown})" if parameters.path is not None else "",
             )
+
+
+def _is_of_one_machine(parameters: ParameterFile) -> bool:
+    is_absolute = parameters.text.startswith("/") and not parameters.text.startswith(_DISTRIBUTIONS)
+    return parameters.literal and is_absolute
 
 
 def _is_read_as_it_is(model: Model) -> bool:
@@ -143,11 +159,8 @@ def _find_source_without(model: Model, element: Element) -> str | None:
     name = "" if plugin is None else plugin.get("filename").strip()
     if len(found) != 1 or not name or not model.source.finder.can_open(found[0]):
         return None
-    try:
-        text = read_regular(found[0]).decode("utf-8", errors="replace")
-    except (OSError, FileTooLargeError):
-        return None
-    return None if name in text or "include" in text else found[0].name
+    text = _read_text(found[0])
+    return None if not text or name in text or "include" in text else found[0].name
 
 
 def _describe_absence(model: Model, package: str, below: str) -> str:
@@ -159,11 +172,49 @@ def _describe_absence(model: Model, package: str, below: str) -> str:
 
 
 def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, str] | None:
-    """Return the model's package and the path of a file in it; None if the file is unknown or elsewhere."""
+    """Return the model's package and the path of a file in it; None if the file is unknown or elsewhere.
+
+    A package inside another one is not built: the outer one installs its files, as the typed path shows.
+    """
     package, path = model.source.package, parameters.path
     if package is None or path is None or not path.is_relative_to(package.path):
         return None
+    installed, outer = _INSTALLED.search(parameters.text), model.source.finder.find_package_of(package.path)
+    if installed is not None and outer is not None and outer.name == installed[1]:
+        package = outer
     return package.name, path.relative_to(package.path).as_posix()
+
+
+def _names_other_simulator(model: Model) -> bool:
+    """Whether another simulator than Gazebo provides the robot's hardware: Gazebo's plugin is left over."""
+    controls = [control for control in model.robot.find_children("ros2_control") if is_simulated_hardware(control)]
+    hardware = [element.text for control in controls for element in control.walk() if element.tag == "plugin"]
+    is_expanded = model.source.is_output_of_xacro or not model.source.is_xacro
+    return bool(hardware) and not any(map(_OF_GAZEBO.search, hardware)) and is_expanded
+
+
+def _is_in_container(model: Model, path: str) -> bool:
+    """Whether the repository describes a container that has its workspace where a path leads: it is the same on each machine."""
+    finder, workspace = model.source.finder, _WORKSPACE.match(path)
+    if workspace is None:
+        return False
+    place = re.compile(rf"(?<![\w./-]){re.escape(workspace[1])}(?![\w-])")
+    folders = [level / below for level in finder.list_parent_folders() for below in _CONTAINER_FOLDERS]
+    files = (
+        file for folder in folders if finder.can_open(folder) and folder.is_dir() for file in sorted(folder.iterdir())
+    )
+    return any(
+        place.search(_read_text(file)) is not None
+        for file in files
+        if _CONTAINER_FILE.search(file.name) and finder.can_open(file)
+    )
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return read_regular(path).decode("utf-8", errors="replace")
+    except (OSError, FileTooLargeError):
+        return ""
 
 
 def _read_package_in_path(model: Model, path: str) -> tuple[str, str] | None:
