@@ -578,6 +578,18 @@ def test_a_sign_too_much_is_named_where_the_other_sign_fits(tmp_path: Path, own:
     assert finding.fix.title.startswith(repair)
 
 
+def test_the_limits_of_the_first_leader_are_to_be_narrowed(tmp_path: Path) -> None:
+    text = make_three_links(
+        make_joint(follows("k", 'multiplier="2"')),
+        make_joint(follows("m"), name="k", child="c"),
+        make_joint(LIMIT, name="m", child="d"),
+        links=link("d"),
+    )
+    (finding,) = find(tmp_path, text, "JNT009")
+    assert finding.fix is not None
+    assert finding.fix.title == "set the limits of j to -2 … 2 rad, narrow those of m, or correct multiplier and offset"
+
+
 @pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])
 def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, leaves: bool) -> None:
     text = make_three_links(
