@@ -6,10 +6,11 @@ import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
+from urdfcheck.core import Edit, Finding, Fix, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
@@ -36,6 +37,7 @@ from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
+from urdfcheck.source.uses_elsewhere import find_other_includers
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # Each suggestion compares all names.
@@ -78,9 +80,12 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
             # Without a reference to the file, wheels of this name on another robot may be meant.
             others = elsewhere if config.named_at is None else None
             if controller.type.startswith("diff_drive_controller/"):
-                yield from _check_wheel_geometry(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+                found = _check_wheel_geometry(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
             elif controller.type in OTHER_DRIVES:
-                yield from _check_other_drive(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+                found = _check_other_drive(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+            else:
+                continue
+            yield from (_mention_other_users(model, config, finding) for finding in found)
 
 
 def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -453,6 +458,19 @@ def _check_other_drive(
                 off=abs(value - real) / real,
                 joints=join_names(drive.joints),
             )
+
+
+def _mention_other_users(model: Model, config: AssociatedConfiguration, finding: Finding) -> Finding:
+    """Add to a repair which other robots include what names the controllers file: a number may not fit their wheels."""
+    span = None if config.named_at is None else config.named_at.location.span
+    others = [] if span is None else find_other_includers(model.source, span.file)
+    # Who includes the wheels with it gets the same ones.
+    wheels = {place.span.file for place in finding.related if place.span is not None}
+    if span is None or span.file in wheels or not others or finding.fix is None:
+        return finding
+    reader = f"{join_names(others, 2)} {'reads' if len(others) == 1 else 'read'} this file too, through {Path(span.file).name}"
+    title = f"{finding.fix.title}; {reader}: if the wheels differ, give each robot its own file"
+    return replace(finding, fix=Fix(title))
 
 
 def _build_size_edits(typed: YamlValue, real: float, sizes: Sequence[float], *, rel_tol: float) -> list[Edit]:

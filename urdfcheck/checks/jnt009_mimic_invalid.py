@@ -107,7 +107,9 @@ def _check_range(
             sign = f'write multiplier="{-multiplier:g}", with which it stays within'
             repair = f"{sign}, or set {own}: whichever moves it the right way"
         else:
-            repair = f"set {own}, narrow those of {_find_first_leader(model, leader).name}, or correct multiplier and offset"
+            repair = (
+                f"set {own}, narrow those of {_find_first_leader(model, leader).name}, or correct multiplier and offset"
+            )
         yield rule.finding(
             "range",
             at=reference,
