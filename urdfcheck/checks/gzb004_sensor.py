@@ -210,7 +210,7 @@ def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
 def _guess_frame(frame: str, sensor: GazeboSensor, model: Model, *, taken: AbstractSet[str]) -> str | None:
     """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ.
 
-    Not one with a sensor of its own (``taken``): the IMU of a camera is not at the robot's ``imu_link``.
+    Not one that has another sensor (``taken``): the IMU of a camera is not at the robot's ``imu_link``.
     """
     if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
