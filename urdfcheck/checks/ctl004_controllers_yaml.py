@@ -205,14 +205,19 @@ def _is_in_container(model: Model, path: str) -> bool:
         return False
     place = re.compile(rf"(?<![\w./-]){re.escape(workspace[1])}(?![\w-])")
     folders = [level / below for level in finder.list_parent_folders() for below in _CONTAINER_FOLDERS]
-    files = (
-        file for folder in folders if finder.can_open(folder) and folder.is_dir() for file in sorted(folder.iterdir())
-    )
+    files = (file for folder in folders if finder.can_open(folder) for file in _list_entries(folder))
     return any(
         place.search(_read_text(file)) is not None
         for file in files
         if _CONTAINER_FILE.search(file.name) and finder.can_open(file)
     )
+
+
+def _list_entries(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder.iterdir())
+    except OSError:  # most projects have no such folder
+        return []
 
 
 def _read_text(path: Path) -> str:
