@@ -163,6 +163,7 @@ def _check_surface_settings(
             content=_format_tags([child.tag for child in settings]),
             role=role,
             name=first.name,
+            names=f"the name of the {role}" if len(lost) == 1 else f"the names of its {len(lost)} {role}s",
             some="" if len(lost) == count else f" for {len(lost)} of {count}",
             merged=f" is merged into {first.body} and" if merged else "",
         )
