@@ -37,7 +37,7 @@ from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
-from urdfcheck.source.uses_elsewhere import find_other_includers
+from urdfcheck.source.uses_elsewhere import find_other_includers, is_left_output
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # Each suggestion compares all names.
@@ -119,7 +119,7 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(
                 "machine",
                 at=parameters.element,
-                severity=Severity.INFO if is_shared else Severity.WARNING,
+                severity=Severity.INFO if is_shared or is_left_output(model.source) else Severity.WARNING,
                 consequences={"gazebo": _OUTSIDE} if is_shared else None,
                 edits=edit_content(parameters.element, text, model.source.files) if is_certain else (),
                 how=_describe_how(model, parameters.element),

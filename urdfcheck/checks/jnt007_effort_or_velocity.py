@@ -15,7 +15,7 @@ from urdfcheck.model.simulation_use import has_bare_joints, is_simulated_hardwar
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_around
 
 _EFFORT_INTERFACE = "EffortJointInterface"
 _SETS_DIRECTLY = "gazebo_ros2_control/"
@@ -189,7 +189,8 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: A
     without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
     # Where the velocity is 0 too, who writes the effort alone repairs half.
     # No simulator reads a file that the project leaves aside for another one.
-    unused = Severity.INFO if with_motor and is_certainly_left_aside(model.source) else None
+    is_unused = bool(with_motor) and is_certainly_left_aside(model.source) and not is_named_around(model.source)
+    unused = Severity.INFO if is_unused else None
     for is_still in (False, True):
         if alike := [joint for joint in with_motor if (joint.name in still and not _is_locked(joint)) == is_still]:
             also, speed = (' and velocity="0"', "; and the highest speed in rad/s (m/s)") if is_still else ("", "")
