@@ -840,7 +840,7 @@ def test_a_headline_counts_the_blocks_of_merged_joints(tmp_path: Path) -> None:
 def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> None:
     """The accessory is in a file that this variant does not even include."""
     include = '<xacro:if value="false"><xacro:include filename="bumper.xacro"/></xacro:if>'
-    block = '<gazebo reference="bumper_link"><material>Gazebo/Black</material></gazebo>'
+    block = '<gazebo reference="bumper_link"><mu1>0.2</mu1></gazebo>'
     files = {
         "robot.urdf.xacro": robot(link("base"), include, block, xacro=True),
         "bumper.xacro": robot(link("bumper_link"), xacro=True),
@@ -849,6 +849,13 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (finding.message_id, finding.severity) == ("optional", Severity.INFO)
     (unknown,) = find(tmp_path / "b", files | {"bumper.xacro": robot(xacro=True)}, "GZB001", name="robot.urdf.xacro")
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
+
+
+@pytest.mark.parametrize(("name", "severity"), [("caster", Severity.INFO), ("basee", Severity.WARNING)])
+def test_the_colour_of_an_unknown_part_is_a_note(tmp_path: Path, name: str, severity: Severity) -> None:
+    block = f'<gazebo reference="{name}"><material>Gazebo/Black</material></gazebo>'
+    (finding,) = find(tmp_path, robot(link("base"), block), "GZB001")
+    assert finding.severity == severity
 
 
 def test_a_part_that_has_a_block_is_not_what_another_block_means(tmp_path: Path) -> None:

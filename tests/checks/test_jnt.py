@@ -288,6 +288,40 @@ def test_zero_effort_of_one_of_several_like_joints_is_a_warning(
     assert finding.severity == (Severity.WARNING if found == "effort-odd" else Severity.INFO)
 
 
+@pytest.mark.parametrize(
+    ("speeds", "severity"), [("", Severity.WARNING), ("true", Severity.INFO), ("false", Severity.WARNING)]
+)
+def test_moveit_may_have_the_speed_that_the_model_lacks(tmp_path: Path, speeds: str, severity: Severity) -> None:
+    texts = [f'<limit lower="0" upper="1" effort="5" velocity="{velocity}"/>' for velocity in (0, 3)]
+    entry = f"joint_limits:\n  j:\n    has_velocity_limits: {speeds}\n    max_velocity: 0.5\n"
+    files = {
+        "r.urdf": make_three_links(make_joint(texts[0]), make_joint(texts[1], name="k", child="c")),
+        "r.srdf": '<robot name="r"><group name="g"><joint name="j"/></group></robot>',
+        "joint_limits.yaml": entry if speeds else "",
+    }
+    (tmp_path / ".git").mkdir()
+    (finding,) = find(tmp_path, files, "JNT007", name="r.urdf")
+    assert (finding.message_id, finding.severity) == ("velocity-zero", severity)
+
+
+def test_the_motors_of_a_file_that_is_left_aside_are_a_note(tmp_path: Path) -> None:
+    motor = (
+        '<transmission name="t"><joint name="j"><hardwareInterface>hardware_interface/EffortJointInterface'
+        "</hardwareInterface></joint></transmission>"
+    )
+    limit_of_zero = '<limit lower="0" upper="1" effort="0" velocity="3"/>'
+    text = make_three_links(make_joint(limit_of_zero), links=motor)
+    for named, severity in (("r.urdf", Severity.WARNING), ("new.urdf", Severity.INFO)):
+        files = {
+            "package.xml": "<package><name>p</name></package>",
+            "r.urdf": text,
+            "new.urdf": text,
+            "launch/show.launch": f'<launch><param name="robot_description" textfile="$(find p)/{named}"/></launch>',
+        }
+        (finding,) = find(tmp_path / named, files, "JNT007", name="r.urdf")
+        assert (finding.message_id, finding.severity) == ("effort-zero", severity)
+
+
 def test_a_zero_velocity_counts_although_no_joint_has_an_effort(tmp_path: Path) -> None:
     texts = [f'<limit lower="0" upper="1" effort="0" velocity="{velocity}"/>' for velocity in (0, 3)]
     findings = find(
@@ -542,6 +576,18 @@ def test_a_sign_too_much_is_named_where_the_other_sign_fits(tmp_path: Path, own:
     (finding,) = find(tmp_path, text, "JNT009")
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+
+
+def test_the_limits_of_the_first_leader_are_to_be_narrowed(tmp_path: Path) -> None:
+    text = make_three_links(
+        make_joint(follows("k", 'multiplier="2"')),
+        make_joint(follows("m"), name="k", child="c"),
+        make_joint(LIMIT, name="m", child="d"),
+        links=link("d"),
+    )
+    (finding,) = find(tmp_path, text, "JNT009")
+    assert finding.fix is not None
+    assert finding.fix.title == "set the limits of j to -2 … 2 rad, narrow those of m, or correct multiplier and offset"
 
 
 @pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])

@@ -299,7 +299,9 @@ def test_a_drive_that_other_robots_include_becomes_an_argument(tmp_path: Path) -
     assert alone.fix is not None
     assert shared.fix is not None
     assert alone.fix.title.endswith("or correct the wheels' places")
-    assert shared.fix.title.endswith("; large.urdf.xacro includes this file too: make it an argument")
+    assert shared.fix.title.endswith(
+        "; large.urdf.xacro includes this file too: if its wheels differ, make it an argument"
+    )
 
 
 # -- control blocks: CTL001, CTL004, CTL005, JNT007 ------------------------------------------------------------------------

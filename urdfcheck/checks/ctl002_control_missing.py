@@ -19,8 +19,10 @@ _SEPARATOR = re.compile(r"[\s,;]+")
 # franka_hw/FrankaModelInterface names the root and the tip of a chain.
 _COMMANDS = re.compile(r"(?:Position|Velocity|Effort|PosVel|PosVelAcc)JointInterface")
 _DRIVES = re.compile(r"(?:Simple|Differential|FourBarLinkage|Wrist|Gripper)\w*Transmission")
-
-
+# Hardware that moves the followers of a joint by itself.
+_MOVES_FOLLOWERS = re.compile(
+    r"(?:mock_components|fake_components|gz_ros2_control|ign_ros2_control|gazebo_ros2_control)/"
+)
 # Plugins that read joints and move none.
 _PUBLISHES = re.compile(r"joint_?state_?publisher", re.IGNORECASE)
 # Joints without motors, by their names.
@@ -101,8 +103,9 @@ def _drives_joint(transmission: Element, joint: Element) -> bool:
 
 def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
     commanded = [
-        ("mimic", Severity.WARNING, "command interface", joint)
+        ("mimic", Severity.WARNING if own is None else Severity.INFO, "command interface", joint)
         for control in model.robot.find_children("ros2_control")
+        for own in [_find_own_hardware(model, control)]
         for joint in control.find_children("joint")
         if joint.find_child("command_interface") is not None and joint.get("mimic") != "false"
     ]
@@ -121,10 +124,37 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
         elif joint is not None and joint.mimic is not None:
             leader = joint.mimic.get("joint")
             yield rule.finding(
-                message, at=element, severity=severity, related=[joint.mimic], joint=joint.name, leader=leader
+                message,
+                at=element,
+                severity=severity,
+                related=[joint.mimic],
+                joint=joint.name,
+                leader=leader,
+                repair=_describe_mimic_repair(element),
             )
     for what, elements in held.items():
         yield _build_fixed_finding(model, rule, what, elements)
+
+
+def _list_hardware(control: Element) -> list[str]:
+    return [e.text.strip() for hardware in control.find_children("hardware") for e in hardware.find_children("plugin")]
+
+
+def _find_own_hardware(model: Model, control: Element) -> str | None:
+    """Return the class of a block's hardware if it is of a package that is here: its author decides how followers move."""
+    packages = model.source.finder.list_workspace_packages()
+    return next((name for name in _list_hardware(control) if name.partition("/")[0] in packages), None)
+
+
+def _describe_mimic_repair(joint: Element) -> str:
+    """Say what to delete: a class of hardware that is not known may move the follower only by its own command."""
+    unknown = [] if joint.parent is None else [n for n in _list_hardware(joint.parent) if not _MOVES_FOLLOWERS.match(n)]
+    if unknown:
+        needed = (
+            f"delete the <mimic> if {unknown[0]} moves the joint by this interface; otherwise the command interface"
+        )
+        return f"{needed} (state interfaces may remain)"
+    return "delete the command interface (state interfaces may remain), or the <mimic>"
 
 
 def _build_fixed_finding(model: Model, rule: Rule, what: str, elements: Sequence[Element]) -> Finding:

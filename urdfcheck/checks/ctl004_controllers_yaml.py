@@ -6,10 +6,11 @@ import os
 import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
+from urdfcheck.core import Edit, Finding, Fix, Located, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
@@ -27,6 +28,7 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.model.simulation_use import is_simulated_hardware
 from urdfcheck.source.load import read_xacro_source
 from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.package.finder import format_path
@@ -35,6 +37,7 @@ from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
+from urdfcheck.source.uses_elsewhere import find_other_includers, is_left_output
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
 # Each suggestion compares all names.
@@ -43,6 +46,13 @@ MOST_HINTS = 100
 _DISTRIBUTIONS = "/opt/ros/"
 # A path into an installed package.
 _INSTALLED = re.compile(r"/share/([\w-]+)/(.+)$")
+# A workspace and what is in it.
+_WORKSPACE = re.compile(r"(/.+?)/(?:install|devel|src|share)/")
+# The files that describe a container.
+_CONTAINER_FILE = re.compile(r"Dockerfile|Containerfile|compose[\w.-]*\.ya?ml$|^devcontainer\.json$", re.IGNORECASE)
+_CONTAINER_FOLDERS = ("", "docker", ".docker", ".devcontainer")
+_OUTSIDE = "drops the control plugin outside that container: no controller manager starts"
+_OF_GAZEBO = re.compile(r"gazebo|gz_|ign_", re.IGNORECASE)
 _BARE = "; and no launch file here is seen to run xacro on this .urdf: without it the plugin gets `$(find …)` as it is typed"
 OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tricycle_controller/TricycleController"})
 
@@ -70,9 +80,12 @@ def check(subject: Model | LaunchContext, rule: Rule, *, rel_tol: float) -> Iter
             # Without a reference to the file, wheels of this name on another robot may be meant.
             others = elsewhere if config.named_at is None else None
             if controller.type.startswith("diff_drive_controller/"):
-                yield from _check_wheel_geometry(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+                found = _check_wheel_geometry(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
             elif controller.type in OTHER_DRIVES:
-                yield from _check_other_drive(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+                found = _check_other_drive(model, rule, controller, elsewhere=others, rel_tol=rel_tol)
+            else:
+                continue
+            yield from (_mention_other_users(model, config, finding) for finding in found)
 
 
 def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -97,23 +110,31 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 near=f" ({join_names(like, 2)} {'has' if len(like) == 1 else 'have'} this name)" if like else "",
                 also="; and let the launch file run xacro on this file" if is_bare else "",
             )
-        elif parameters.literal and parameters.text.startswith("/") and not parameters.text.startswith(_DISTRIBUTIONS):
+        elif _is_of_one_machine(parameters) and not _names_other_simulator(model):
             portable = _find_portable_path(model, parameters)
             package, below = portable or _read_package_in_path(model, parameters.text) or ("package", "config/…")
             is_certain = model.source.is_xacro and portable is not None
             text = f"$(find {package})/{below}"
+            is_shared = _is_in_container(model, parameters.text)
             yield rule.finding(
                 "machine",
                 at=parameters.element,
-                severity=Severity.WARNING,
+                severity=Severity.INFO if is_shared or is_left_output(model.source) else Severity.WARNING,
+                consequences={"gazebo": _OUTSIDE} if is_shared else None,
                 edits=edit_content(parameters.element, text, model.source.files) if is_certain else (),
                 how=_describe_how(model, parameters.element),
                 also=_describe_absence(model, package, below) if parameters.path is None else "",
                 package=package,
                 below=below,
                 path=parameters.text,
+                owner="container" if is_shared else "machine",
                 found=f" (here {shown})" if parameters.path is not None else "",
             )
+
+
+def _is_of_one_machine(parameters: ParameterFile) -> bool:
+    is_absolute = parameters.text.startswith("/") and not parameters.text.startswith(_DISTRIBUTIONS)
+    return parameters.literal and is_absolute
 
 
 def _is_read_as_it_is(model: Model) -> bool:
@@ -143,11 +164,8 @@ def _find_source_without(model: Model, element: Element) -> str | None:
     name = "" if plugin is None else plugin.get("filename").strip()
     if len(found) != 1 or not name or not model.source.finder.can_open(found[0]):
         return None
-    try:
-        text = read_regular(found[0]).decode("utf-8", errors="replace")
-    except (OSError, FileTooLargeError):
-        return None
-    return None if name in text or "include" in text else found[0].name
+    text = _read_text(found[0])
+    return None if not text or name in text or "include" in text else found[0].name
 
 
 def _describe_absence(model: Model, package: str, below: str) -> str:
@@ -159,11 +177,54 @@ def _describe_absence(model: Model, package: str, below: str) -> str:
 
 
 def _find_portable_path(model: Model, parameters: ParameterFile) -> tuple[str, str] | None:
-    """Return the model's package and the path of a file in it; None if the file is unknown or elsewhere."""
+    """Return the model's package and the path of a file in it; None if the file is unknown or elsewhere.
+
+    A package inside another one is not built: the outer one installs its files, as the typed path shows.
+    """
     package, path = model.source.package, parameters.path
     if package is None or path is None or not path.is_relative_to(package.path):
         return None
+    installed, outer = _INSTALLED.search(parameters.text), model.source.finder.find_package_of(package.path)
+    if installed is not None and outer is not None and outer.name == installed[1]:
+        package = outer
     return package.name, path.relative_to(package.path).as_posix()
+
+
+def _names_other_simulator(model: Model) -> bool:
+    """Whether another simulator than Gazebo provides the robot's hardware: Gazebo's plugin is left over."""
+    controls = [control for control in model.robot.find_children("ros2_control") if is_simulated_hardware(control)]
+    hardware = [element.text for control in controls for element in control.walk() if element.tag == "plugin"]
+    is_expanded = model.source.is_output_of_xacro or not model.source.is_xacro
+    return bool(hardware) and not any(map(_OF_GAZEBO.search, hardware)) and is_expanded
+
+
+def _is_in_container(model: Model, path: str) -> bool:
+    """Whether the repository describes a container that has its workspace where a path leads: it is the same on each machine."""
+    finder, workspace = model.source.finder, _WORKSPACE.match(path)
+    if workspace is None:
+        return False
+    place = re.compile(rf"(?<![\w./-]){re.escape(workspace[1])}(?![\w-])")
+    folders = [level / below for level in finder.list_parent_folders() for below in _CONTAINER_FOLDERS]
+    files = (file for folder in folders if finder.can_open(folder) for file in _list_entries(folder))
+    return any(
+        place.search(_read_text(file)) is not None
+        for file in files
+        if _CONTAINER_FILE.search(file.name) and finder.can_open(file)
+    )
+
+
+def _list_entries(folder: Path) -> list[Path]:
+    try:
+        return sorted(folder.iterdir())
+    except OSError:  # most projects have no such folder
+        return []
+
+
+def _read_text(path: Path) -> str:
+    try:
+        return read_regular(path).decode("utf-8", errors="replace")
+    except (OSError, FileTooLargeError):
+        return ""
 
 
 def _read_package_in_path(model: Model, path: str) -> tuple[str, str] | None:
@@ -402,6 +463,19 @@ def _check_other_drive(
                 off=abs(value - real) / real,
                 joints=join_names(drive.joints),
             )
+
+
+def _mention_other_users(model: Model, config: AssociatedConfiguration, finding: Finding) -> Finding:
+    """Add to a repair which other robots include what names the controllers file: a number may not fit their wheels."""
+    span = None if config.named_at is None else config.named_at.location.span
+    others = [] if span is None else find_other_includers(model.source, span.file)
+    # Who includes the wheels with it gets the same ones.
+    wheels = {place.span.file for place in finding.related if place.span is not None}
+    if span is None or span.file in wheels or not others or finding.fix is None:
+        return finding
+    reader = f"{join_names(others, 2)} {'reads' if len(others) == 1 else 'read'} this file too, through {Path(span.file).name}"
+    title = f"{finding.fix.title}; {reader}: if the wheels differ, give each robot its own file"
+    return replace(finding, fix=Fix(title))
 
 
 def _build_size_edits(typed: YamlValue, real: float, sizes: Sequence[float], *, rel_tol: float) -> list[Edit]:

@@ -183,11 +183,16 @@ def _compare(
 
 
 def _describe_other_users(model: Model, element: Element, wheels: Sequence[str]) -> str:
-    """Say which other robots include the file that a plugin is in without its wheels: a number may not fit them."""
+    """Say which other robots include the file that a plugin is in without its wheels: a number may not fit them.
+
+    They are not expanded, so whether their wheels have the same size is left open.
+    """
     files = {span.file for name in wheels if (span := model.joint_by_name[name].element.span) is not None}
     if element.span is None or element.span.file in files or not element.via:
         return ""
     others = find_other_includers(model.source, element.span.file)
     if not others:
         return ""
-    return f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too: make it an argument"
+    what = "wheels differ" if wheels else "joints have other names"
+    whose = "includes this file too: if its" if len(others) == 1 else "include this file too: if their"
+    return f"; {join_names(others)} {whose} {what}, make it an argument"

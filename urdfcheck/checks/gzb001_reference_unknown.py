@@ -65,15 +65,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         elif not UNFILLED.search(name):
             meant = _list_meant(model, free, uses)
             near = _find_by_suffix(name, meant) or find_only_near_name(name, meant, SLIP_LIKENESS)
+            hint = _hint_fixed_joint(model, free, uses) or format_name_hint(name, meant)
+            # Of a part that the robot lacks, a colour is nothing that a simulation misses.
+            is_colour = {child.tag for use in uses for child in use.owner.children} == {"material"}
             yield rule.finding(
                 "unknown",
                 at=uses[0],
+                severity=Severity.INFO if is_colour and near is None and not hint else None,
                 related=[*uses[0].collect_definitions(), *uses[1:]],
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
-                near=f" (did you mean {near!r}?)"
-                if near is not None
-                else _hint_fixed_joint(model, free, uses) or format_name_hint(name, meant),
+                near=f" (did you mean {near!r}?)" if near is not None else hint,
                 content=_join_child_tags(uses),
             )
 

@@ -13,6 +13,7 @@ from urdfcheck.model.gazebo import is_for_new_gazebo
 from urdfcheck.model.simulation_use import has_successor_branch, is_only_displayed, names_successor, starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.uses_elsewhere import is_left_output
 
 # Libraries of gazebo_ros_pkgs, gazebo_ros2_control, gazebo_ros_control and hector_gazebo: all are built for Classic.
 _CLASSIC = re.compile(r"^(?:lib)?(gazebo_ros\w*|hector_gazebo_ros\w*)(?:\.so)?$")
@@ -110,7 +111,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             else _describe_replacements(plugins, _list_new_systems(gazebo))
         )
         is_missed = (bool(old) and not is_only_displayed(model)) or _is_for_successor(model)
-        severity = None if is_missed else Severity.INFO
+        # What xacro wrote and nothing loads misses no plugin.
+        severity = None if is_missed and not is_left_output(model.source) else Severity.INFO
         yield _build_plugin_finding(rule, plugins, old, related=related, severity=severity, replacement=replacement)
     if _SUCCEEDED not in plugins:
         for control, plugin in hardware:

@@ -46,8 +46,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         joint = model.joint_by_name.get(name)
         yield from _check_preserve_flag(model, rule, block)
         if name in model.link_by_name:
-            yield from _check_surface_settings(rule, "collision", block, shapes=collisions[name])
-            yield from _check_surface_settings(rule, "visual", block, shapes=visuals[name])
+            yield from _check_surface_settings(rule, "collision", block, blocks, shapes=collisions[name])
+            yield from _check_surface_settings(rule, "visual", block, blocks, shapes=visuals[name])
         elif joint is not None:
             tags = {child.tag for child in block.children}.difference(PRESERVE)
             if tags & (_COLLISION | _VISUAL) and tags <= _COLLISION | _VISUAL | _BODY:
@@ -140,11 +140,15 @@ def _describe_surface_repair(model: Model, joint: Joint, tags: set[str]) -> str:
 
 
 def _check_surface_settings(
-    rule: Rule, role: str, block: Element, *, shapes: tuple[list[MergedShape], int]
+    rule: Rule, role: str, block: Element, blocks: list[Element], *, shapes: tuple[list[MergedShape], int]
 ) -> Iterator[Finding]:
     """Report settings that do not reach all collisions, or all visuals, of a link."""
-    settings = [child for child in block.children if child.tag in (_COLLISION if role == "collision" else _VISUAL)]
     lost, count = shapes
+    settings = [
+        child
+        for child in block.children
+        if child.tag in (_COLLISION if role == "collision" else _VISUAL) and not _is_set_by_body(child, blocks, lost)
+    ]
     if settings and lost:
         first = lost[0]
         merged = first.body != first.link
@@ -159,9 +163,26 @@ def _check_surface_settings(
             content=_format_tags([child.tag for child in settings]),
             role=role,
             name=first.name,
+            names=f"the name of the {role}" if len(lost) == 1 else f"the names of its {len(lost)} {role}s",
             some="" if len(lost) == count else f" for {len(lost)} of {count}",
             merged=f" is merged into {first.body} and" if merged else "",
         )
+
+
+def _is_set_by_body(setting: Element, blocks: list[Element], shapes: list[MergedShape]) -> bool:
+    """Whether the shapes that a setting does not reach get the same value from the blocks of their body: then nothing is lost."""
+    values = [
+        [
+            child.text.split()
+            for block in blocks
+            if block.get("reference") == shape.body
+            for child in block.find_children(setting.tag)
+        ]
+        if shape.is_reached_by(shape.body)
+        else []
+        for shape in shapes
+    ]
+    return not setting.children and all(found and all(v == setting.text.split() for v in found) for found in values)
 
 
 def _check_gravity_flags(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Set as AbstractSet
 from difflib import SequenceMatcher
 
 from urdfcheck.core import FactUnavailableError, Finding, Location, Rule, Severity, Span
@@ -66,19 +67,23 @@ class _UnknownCollision:
     """The first few names of the shapes of the sensor's own link in SDF."""
 
 
+# The plugins of ROS for Gazebo Classic.
+_CLASSIC = re.compile(r"\bgazebo_ros_|\blibgazebo_ros_")
 # Gazebo Classic does not compare the names of sensors.
-_IN_CLASSIC = (
-    "loads them all under one name and one topic: plugins that read this topic (gazebo_ros_laser) mix the data"
-)
+_IN_CLASSIC = "loads them all under one name and one topic"
+_MIXED = f"{_IN_CLASSIC}: the plugins read this topic and mix the data"
+# The plugins that read the topic of their sensor; others read the sensor itself.
+_READS_TOPIC = re.compile(r"laser|ray_sensor")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     sensors = list_sensors(model)
     folded = {name.lower(): name for name in model.link_by_name}
+    taken = {sensor.reference for sensor in sensors}
     for sensor in sensors:
         yield from _check_type(sensor, rule)
         yield from _check_update_rate(sensor, rule)
-        yield from _check_frames(model, rule, sensor, folded=folded)
+        yield from _check_frames(model, rule, sensor, folded=folded, taken=taken)
     if is_for_new_gazebo(model):
         for sensor in sensors:
             yield from _check_cpu_lidar(sensor, rule)
@@ -142,8 +147,10 @@ def _find_plugin_rate(sensor: GazeboSensor) -> str | None:
     return next((text for text in texts if (parse_number(text) or 0.0) > 0.0), None)
 
 
-def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Mapping[str, str]) -> Iterator[Finding]:
-    """Report frames that are not links; ``folded`` has the names of the links by their lower case."""
+def _check_frames(
+    model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Mapping[str, str], taken: AbstractSet[str]
+) -> Iterator[Finding]:
+    """Report frames that are not links; ``folded`` has the links' names by their lower case, ``taken`` those with sensors."""
     own = [child for child in sensor.element.children if child.tag in _NEW_GAZEBO_FRAMES]
     # The frame of a sensor of the new Gazebo counts; plugins inside are those of Classic.
     for element in own if own and is_for_new_gazebo(model) else sensor.element.walk():
@@ -155,7 +162,7 @@ def _check_frames(model: Model, rule: Rule, sensor: GazeboSensor, *, folded: Map
         if _is_published(model, frame):
             continue
         respelled = folded.get(frame.lower())
-        meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model)
+        meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model, taken=taken)
         if meant is None and sensor.reference not in model.link_by_name and sensor.reference not in model.joint_by_name:
             continue  # a block for a part that the robot lacks is ignored, so no data has the frame: GZB001 reports it
         yield rule.finding(
@@ -200,15 +207,19 @@ def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
     return found[0] if len(found) == 1 else None
 
 
-def _guess_frame(frame: str, sensor: GazeboSensor, model: Model) -> str | None:
-    """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ."""
+def _guess_frame(frame: str, sensor: GazeboSensor, model: Model, *, taken: AbstractSet[str]) -> str | None:
+    """Return the link that an unknown frame may mean: the sensor's own if only the words "link" and "frame" differ.
+
+    Not one that has another sensor (``taken``): the IMU of a camera is not at the robot's ``imu_link``.
+    """
     if sensor.reference in model.link_by_name and _strip_kind_words(frame) == _strip_kind_words(sensor.reference):
         return sensor.reference
     if CAMERA_TYPE.search(sensor.type):
         return None  # a picture needs an optical frame, whatever the names are like
     if len(model.link_by_name) > _MOST_COMPARED:
         return None
-    return find_nearest_name(frame, (name for name in model.link_by_name if _names_like_part(frame, name)))
+    free = (name for name in model.link_by_name if name == sensor.reference or name not in taken)
+    return find_nearest_name(frame, (name for name in free if _names_like_part(frame, name)))
 
 
 def _names_like_part(one: str, other: str) -> bool:
@@ -262,11 +273,15 @@ def _check_duplicate_names(
             links = dict.fromkeys(sensor.reference for sensor in alike)
             first, second = (sensor.element for sensor in alike[:2])
             include = _find_include(second, model) if first.span == second.span else None
-            is_classic = starts_classic(model) and not (is_for_new_gazebo(model) or names_successor(model))
+            # What the successor cannot load is of a robot for Classic, whatever starts it.
+            is_classic = all(_has_plugin(sensor, _CLASSIC) for sensor in alike) or starts_classic(model)
+            is_classic = is_classic and not (is_for_new_gazebo(model) or names_successor(model))
+            is_mixed = any(_has_plugin(sensor, _READS_TOPIC) for sensor in alike)
             dropped = "the second is dropped" if len(alike) == 2 else "all but the first are dropped"
             yield rule.finding(
                 "twice",
-                consequences={"gazebo": _IN_CLASSIC} if is_classic else None,
+                severity=Severity.INFO if is_classic and not is_mixed else None,
+                consequences={"gazebo": _MIXED if is_mixed else _IN_CLASSIC} if is_classic else None,
                 at=second.attributes["name"] if include is None else Location(second.subject, include),
                 related=[first.attributes["name"]],
                 name=name,
@@ -277,6 +292,10 @@ def _check_duplicate_names(
                 rest="they share one topic" if is_classic else dropped,
                 repair=_describe_renaming(alike, include),
             )
+
+
+def _has_plugin(sensor: GazeboSensor, library: re.Pattern[str]) -> bool:
+    return any(library.search(plugin.get("filename")) for plugin in sensor.element.find_children("plugin"))
 
 
 def _find_include(element: Element, model: Model) -> Span | None:

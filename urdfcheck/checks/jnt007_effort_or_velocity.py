@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -15,6 +15,7 @@ from urdfcheck.model.simulation_use import has_bare_joints, is_simulated_hardwar
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_around
 
 _EFFORT_INTERFACE = "EffortJointInterface"
 _SETS_DIRECTLY = "gazebo_ros2_control/"
@@ -28,6 +29,7 @@ _ENDLESS = 1000.0
 _PASSIVE_WORDS = frozenset({"passive", "suspension", "spring", "shock", "damper"})
 # The words of joints that turn a propeller: plugins drive them, which read no limit.
 _ROTOR_WORDS = frozenset({"rotor", "propeller", "prop", "thruster"})
+_PLANNED = {"moveit": "loads it: joint_limits.yaml has the speeds"}
 _WANTED = {
     "effort": "effort, the highest torque in N·m (force in N),",
     "velocity": "velocity, the highest speed in rad/s (m/s),",
@@ -186,10 +188,13 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: A
     ]
     without = [joint for joint in powerless if joint not in with_motor and joint not in forgotten]
     # Where the velocity is 0 too, who writes the effort alone repairs half.
+    # No simulator reads a file that the project leaves aside for another one.
+    is_unused = bool(with_motor) and is_certainly_left_aside(model.source) and not is_named_around(model.source)
+    unused = Severity.INFO if is_unused else None
     for is_still in (False, True):
         if alike := [joint for joint in with_motor if (joint.name in still and not _is_locked(joint)) == is_still]:
             also, speed = (' and velocity="0"', "; and the highest speed in rad/s (m/s)") if is_still else ("", "")
-            yield _build_finding(rule, "effort-zero", "effort", alike, also=also, speed=speed)
+            yield _build_finding(rule, "effort-zero", "effort", alike, severity=unused, also=also, speed=speed)
     if forgotten:
         yield _build_finding(rule, "effort-odd", "effort", forgotten)
     # If no joint has either, the fields of the exporter's dialog were empty. Where lower and upper are 0 too, JNT005 reports all
@@ -217,7 +222,31 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: A
         and not _is_locked(joint)
     ]
     if slow:
-        yield _build_finding(rule, "velocity-zero", "velocity", slow, severity=None if is_odd else Severity.INFO)
+        is_planned = _have_planning_speeds(model, slow)
+        yield _build_finding(
+            rule,
+            "velocity-zero",
+            "velocity",
+            slow,
+            severity=None if is_odd and not is_planned else Severity.INFO,
+            consequences=_PLANNED if is_planned else None,
+        )
+
+
+def _have_planning_speeds(model: Model, joints: Sequence[Joint]) -> bool:
+    """Whether MoveIt gets the speeds of joints from its own limits, which replace those of the model."""
+    from urdfcheck.model.motion.planning_limits import load_joint_limits  # few models have such joints
+    from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+    from urdfcheck.source.ros.srdf import is_about_model, is_set_up_for_another
+
+    known = {
+        limits.joint.text
+        for srdf in semantic_descriptions(model)
+        if is_about_model(srdf, model.source) and not is_set_up_for_another(srdf, model.source)
+        for limits in load_joint_limits(model, srdf)
+        if limits.is_on("has_velocity_limits") and (limits.get_number("max_velocity") or 0.0) > 0.0
+    }
+    return all(joint.name in known for joint in joints)
 
 
 def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
@@ -290,6 +319,7 @@ def _build_finding(
     joints: Sequence[Joint],
     *,
     severity: Severity | None = None,
+    consequences: Mapping[str, str] | None = None,
     **data: float | str,
 ) -> Finding:
     return build_group_finding(
@@ -297,6 +327,7 @@ def _build_finding(
         message,
         [joint.limit.attributes[name] for joint in joints if joint.limit is not None],
         severity=severity,
+        consequences=consequences,
         joints=join_names(joint.name for joint in joints),
         count=len(joints),
         noun="joint" if len(joints) == 1 else "joints",

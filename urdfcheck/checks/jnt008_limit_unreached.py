@@ -24,7 +24,7 @@ _WHEEL_REPAIR = "delete lower and upper, or make the joint revolute if it has a 
 
 
 def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
-    joints_by_message: dict[str, list[Joint]] = {"continuous": [], "winding": [], "fixed": [], "wide": []}
+    joints_by_message: dict[str, list[Joint]] = {"continuous": [], "fixed": [], "wide": []}
     for joint in model.joints:
         lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
         if lower is None or upper is None or lower == upper:
@@ -36,16 +36,19 @@ def check(model: Model, rule: Rule, *, turns: float) -> Iterator[Finding]:
             and max(-lower, upper) < _ENDLESS
             and not _stays_within(model, joint, lower, upper)
         ):
-            # Limits of a turn to either side say that the joint turns without end: each angle is within them.
-            is_winding = joint.type == "continuous" and min(-lower, upper) > _TURN
-            joints_by_message["winding" if is_winding else joint.type].append(joint)
+            joints_by_message[joint.type].append(joint)
         elif joint.type == "revolute" and upper - lower > turns * math.tau and not _is_all_endless(joint):
             joints_by_message["wide"].append(joint)
     for message, joints in joints_by_message.items():
         stops = _find_stops(model, joints) if message == "continuous" else []
         if stops:
             yield _build_limits_finding(rule, message, stops, is_limb=True)
-        if others := [joint for joint in joints if joint not in stops]:
+        others = [joint for joint in joints if joint not in stops]
+        # A range of a turn says what the type says: each angle is within it.
+        winding = [joint for joint in others if message == "continuous" and _get_span(joint) >= _TURN]
+        if winding:
+            yield _build_limits_finding(rule, "winding", winding, is_limb=False)
+        if others := [joint for joint in others if joint not in winding]:
             yield _build_limits_finding(rule, message, others, is_limb=False)
 
 
@@ -57,6 +60,11 @@ def _stays_within(model: Model, joint: Joint, lower: float, upper: float) -> boo
         return False
     low, high = sorted(coefficients[0] * position + coefficients[1] for position in span)
     return lower <= low and high <= upper
+
+
+def _get_span(joint: Joint) -> float:
+    """Return the size of the range of a joint, whatever its type."""
+    return (joint.get_limit_value("upper") or 0.0) - (joint.get_limit_value("lower") or 0.0)
 
 
 def _is_all_endless(joint: Joint) -> bool:
@@ -71,8 +79,7 @@ def _find_stops(model: Model, joints: Sequence[Joint]) -> list[Joint]:
     All of them if most rotating joints of the robot have limits of less than a turn, like stops; or else those of the limbs of
     which that holds.
     """
-    spans = {joint: (joint.get_limit_value("upper") or 0) - (joint.get_limit_value("lower") or 0) for joint in joints}
-    stops = {joint.name for joint, span in spans.items() if 0 < span < _TURN}
+    stops = {joint.name for joint in joints if 0 < _get_span(joint) < _TURN}
     if len(stops) < _LEAST_STOPS:
         return []
     if _are_most(stops, model.joints):

@@ -61,6 +61,18 @@ def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
     return tuple(names) if joint is not None and joint.name == start.name else ()
 
 
+def _find_first_leader(model: Model, joint: Joint) -> Joint:
+    """Return the joint that leads a row of joints that follow each other: its limits alone are what MoveIt plans in."""
+    seen = {joint.name}
+    while joint.mimic is not None and joint.type != "fixed":
+        above = model.joint_by_name.get(joint.mimic.get("joint"))
+        if above is None or above.name in seen:
+            break
+        seen.add(above.name)
+        joint = above
+    return joint
+
+
 def _find_motion(model: Model, joint: Joint) -> tuple[float, float] | None:
     """Find the positions that a joint reaches: its range, and of one that follows another only what that one's range gives it."""
     span, coefficients = joint.position_range, joint.mimic_coefficients
@@ -95,7 +107,9 @@ def _check_range(
             sign = f'write multiplier="{-multiplier:g}", with which it stays within'
             repair = f"{sign}, or set {own}: whichever moves it the right way"
         else:
-            repair = f"set {own}, narrow those of {leader.name}, or correct multiplier and offset"
+            repair = (
+                f"set {own}, narrow those of {_find_first_leader(model, leader).name}, or correct multiplier and offset"
+            )
         yield rule.finding(
             "range",
             at=reference,

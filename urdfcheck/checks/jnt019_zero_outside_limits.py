@@ -13,6 +13,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.simulation_use import (
     has_bare_joints,
+    is_simulated,
     is_simulated_hardware,
     is_started_elsewhere,
     is_started_in_simulator,
@@ -45,6 +46,9 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
         is_near = all(_is_near(joint, near, notable) for joint in outside)
         is_meant = _are_legs(outside) or has_bare_joints(model) or is_started_elsewhere(model)
         is_meant |= _is_of_python_project(model)
+        # Where nothing in a package simulates the robot, its real hardware reads where the joints are.
+        is_used_elsewhere = is_simulated(model) or _is_started_by_controllers(model)
+        is_meant |= model.source.package is not None and not is_used_elsewhere
         message = "near" if is_near else "meant" if is_meant else "outside"
         is_far = any(_measure_share(joint) > notable for joint in outside)
         is_warning = message == "outside" and is_far and _is_started_by_controllers(model)

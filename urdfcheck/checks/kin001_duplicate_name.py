@@ -12,7 +12,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.link_graph import KinematicGraph
-from urdfcheck.model.simulation_use import is_left_out_of_gazebo
+from urdfcheck.model.simulation_use import is_left_out_of_gazebo, is_simulated
 
 # MuJoCo needs a joint's name only where something refers to it.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the second name by an empty one"}
@@ -44,13 +44,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         finding = rule.finding(
             "shared",
             at=_locate_name(shared[0]),
-            severity=Severity.INFO if is_left_out_of_gazebo(model) else Severity.WARNING,
+            severity=Severity.INFO if is_left_out_of_gazebo(model) or _is_without_mass(model) else Severity.WARNING,
             related=links[:10],
             who="a link and a joint share the name" if len(names) == 1 else "links and joints share the names",
             names=join_names(names),
             example="" if proposed in {*model.link_by_name, *model.joint_by_name} else f", such as {proposed}",
         )
         yield replace(finding, subjects=tuple(_locate_name(joint).subject for joint in shared))
+
+
+def _is_without_mass(model: Model) -> bool:
+    """Whether no link has a mass and nothing simulates the robot: Gazebo would drop every link, so the model is not for it."""
+    return all(link.inertial is None for link in model.links) and not is_simulated(model)
 
 
 def _check_repeated_names(

@@ -207,6 +207,19 @@ def is_kept_output(source: Source) -> bool:
     return is_kept and not any(map(own.search, read_project_texts(source)))
 
 
+def is_left_output(source: Source) -> bool:
+    """Whether the model is a kept output that no file of any package around it names."""
+    return is_kept_output(source) and not is_named_around(source)
+
+
+def is_named_around(source: Source) -> bool:
+    """Whether a file of any package around the model names it, with or without a declared dependency."""
+    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    folders = sorted(set(source.finder.list_workspace_packages().values()))
+    texts = (text for folder in folders for text in read_package_texts(folder, source.finder.can_open))
+    return any(map(own.search, texts))
+
+
 def has_unseen_includes(source: Source) -> bool:
     """Whether the model has an include that was not followed and that :func:`collect_outside_mentions` may not read."""
     reached = {name.rsplit("/", 1)[-1] for name in source.trees}
