@@ -55,6 +55,10 @@ _START_OPTION = re.compile(r"(?<![\w-])-J\b")
 _SDF = re.compile(r"\w\.sdf\b")
 _SPAWNS_FILE = re.compile(r"(?<![\w-])-file\b")
 _SPAWNS_DESCRIPTION = re.compile(r"(?<![\w-])-(?:topic|param|string|urdf)\b")
+# A model of a folder, as worlds include it.
+_WORLD_MODEL = re.compile(r"<uri>\s*model://(?!sun\b|ground_plane\b)")
+# Programs and services that put a robot into a world of Gazebo that runs.
+_SPAWNER = re.compile(r"spawn|SpawnEntity|EntityFactory|/create\b|[\"']create[\"']")
 # A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
 _FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
@@ -174,6 +178,29 @@ def gives_gazebo_sdf(model: Model) -> bool:
     spawning = [text for text in _list_project_texts(model) if _GAZEBO.search(text)]
     gives_sdf = any(_SDF.search(text) and _SPAWNS_FILE.search(text) for text in spawning)
     return gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning))
+
+
+def is_spawned_in_gazebo(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, starts Gazebo, names the model's own file and no other
+    model, and gives Gazebo a file, or a robot_description."""
+    own = _compile_names((model.source.path.name,))
+    return any(
+        _GAZEBO.search(text)
+        and own.search(text)
+        and not _names_other_model(text, model.source.path.name)
+        and (_SPAWNS_FILE.search(text) or _SPAWNS_DESCRIPTION.search(text))
+        and not _SDF.search(text)
+        for text in _list_project_texts(model)
+    )
+
+
+def is_left_to_world(model: Model) -> bool:
+    """Whether no file of the model's package, or of one that depends on it, spawns a robot in Gazebo, and a world of theirs has
+    models in it: then the simulated robot is one of these."""
+    texts = _list_project_texts(model)
+    return any("<world" in text and _WORLD_MODEL.search(text) for text in texts) and not any(
+        map(_SPAWNER.search, texts)
+    )
 
 
 def _cut_name(file: str) -> str:
