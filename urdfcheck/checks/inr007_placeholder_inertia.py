@@ -43,6 +43,7 @@ _SCENERY = 10.0
 _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
+_TOO_LARGE_BASE = {"gazebo": "too much inertia makes the robot tilt and turn sluggishly", "mujoco": "loads it"}
 _TOO_SMALL = {
     "gazebo": "too little inertia makes a joint shake or explode",
     "mujoco": "too little inertia makes the simulation unstable at the default time step",
@@ -244,6 +245,8 @@ def _build_tensor_finding(
         finding = rule.finding("shared", at=places[0], related=places[1:], severity=severity, masses=between, **data)
     else:
         is_less = worst.misfit.expected < max(worst.declared.components)
+        moved = {name for body in list_whole_bodies(model) if body.is_movable for name in body.links}
+        too_large = _TOO_LARGE_BASE if moved.isdisjoint(names) else _TOO_LARGE
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
@@ -262,7 +265,7 @@ def _build_tensor_finding(
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
-            consequences=_TOO_LARGE if is_less else _TOO_SMALL,
+            consequences=too_large if is_less else _TOO_SMALL,
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
