@@ -208,8 +208,8 @@ class FolderIndex:
         return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
 
     def is_test_data(self, path: Path) -> bool:
-        """Whether a file is in a folder of tests, or of files that are kept and not used, below this one, and no file outside such
-        folders includes it or names it."""
+        """Whether a file is in a folder of tests, or of files that are kept and not used, below this one, and no file outside
+        such folders includes it or names it."""
         return self._is_in_tests(path) and path.name not in self._names_outside_tests
 
     def _is_in_tests(self, path: Path) -> bool:
