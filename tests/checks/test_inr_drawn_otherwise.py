@@ -10,7 +10,7 @@ import pytest
 from builders import box, collision, find, inertial, joint, link, mesh, robot, visual
 from castings import geometry, write_stl
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 
 SIZE = (0.4, 0.2, 0.1)
@@ -112,3 +112,19 @@ def test_placeholders_are_notes_where_nothing_reads_a_mass(
     findings = find(tmp_path, robot(*parts, *joints), {"INR007"}, name="arm.urdf")
     found = {finding.message_id: finding.severity.name.lower() for finding in findings}
     assert [found["placeholder"], found["mass"]] == severities.split()
+
+
+@pytest.mark.parametrize(
+    ("launch", "severity"), [("<launch>moveit arm.urdf</launch>", 1), (PUBLISHER.format("arm.urdf"), 0)]
+)
+def test_a_body_without_mass_is_a_note_where_a_model_is_only_displayed(
+    tmp_path: Path, launch: str, severity: int
+) -> None:
+    zero = inertial(1, ixx=0, iyy=0, izz=0)
+    parts = [link("base", inertial(1)), *(link(n) + joint(f"to_{n}", "base", n, kind="continuous") for n in ("a",))]
+    parts += [link("b", zero), joint("to_b", "base", "b", kind="continuous")]
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    (tmp_path / "show.launch").write_text(launch)
+    findings = find(tmp_path, robot(*parts), {"INR001", "INR004"}, name="arm.urdf")
+    assert {finding.code for finding in findings} == {"INR001", "INR004"}
+    assert {finding.severity for finding in findings} == {[Severity.INFO, Severity.WARNING][severity]}

@@ -13,6 +13,7 @@ from urdfcheck.model.simulation_use import (
     gives_gazebo_sdf,
     has_bare_joints,
     is_left_to_world,
+    is_loaded_for_frames,
     is_modelled_for_mujoco,
     is_spawned_in_gazebo,
     is_started_in_simulator,
@@ -84,6 +85,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             message,
             at=head,
+            severity=Severity.INFO if is_loaded_for_frames(model) else None,
             consequences={
                 "mujoco": INFERS if has_collision_geometry(model, body) else REFUSES,
                 **dict.fromkeys(("pinocchio", "drake"), LIGHT if heavy else NAN),

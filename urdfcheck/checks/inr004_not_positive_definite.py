@@ -23,6 +23,7 @@ from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.simulation_use import is_loaded_for_frames
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
@@ -240,7 +241,7 @@ def _check_singular_links(
         yield rule.finding(
             message,
             at=declared.element,
-            severity=Severity.WARNING,
+            severity=Severity.INFO if is_loaded_for_frames(model) else Severity.WARNING,
             cause="placeholder" if declared.components in placeholders else None,
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
@@ -248,7 +249,8 @@ def _check_singular_links(
             **_collect_remedy(model, message, [declared], placeholders.get(declared.components)),
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
-    for group, severity in ((refused, Severity.WARNING), ([d for d in harmless if d not in refused], Severity.INFO)):
+    severe = Severity.INFO if refused and is_loaded_for_frames(model) else Severity.WARNING
+    for group, severity in ((refused, severe), ([d for d in harmless if d not in refused], Severity.INFO)):
         if group:
             described = {placeholders.get(declared.components) for declared in group}
             shared = described.pop() if len(described) == 1 else None
