@@ -57,6 +57,13 @@ def fixed(name: str, content: str, parent: str = "arm") -> str:
             },
             "display",
         ),
+        (
+            {
+                "launch/a.launch": "<launch>gazebo_ros <node pkg='robot_state_publisher' args='arm.urdf'/></launch>",
+                "worlds/a.world": "<sdf><world><include><uri>model://arm</uri></include></world></sdf>",
+            },
+            "display",
+        ),
     ],
 )
 def test_a_robot_without_inertials_matters_where_it_is_simulated(
@@ -69,6 +76,24 @@ def test_a_robot_without_inertials_matters_where_it_is_simulated(
         (package / name).write_text(text.replace(SOUND, ""))
     run = check(package / "arm.urdf", codes={"INR001"})
     assert [finding.message_id for finding in run.findings] == [message]
+
+
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ("gazebo_ros arm.urdf", Severity.INFO),
+        ("gazebo_ros spawn_model -urdf -param robot_description arm.urdf", Severity.WARNING),
+        ("gazebo_ros spawn_model -urdf -param robot_description arm.urdf arm_sim.urdf", Severity.INFO),
+    ],
+)
+def test_a_robot_without_inertials_that_is_spawned_is_a_warning(
+    tmp_path: Path, launch: str, severity: Severity
+) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    (tmp_path / "sim.launch").write_text(f"<launch>{launch}</launch>")
+    (tmp_path / "arm.urdf").write_text(make_arm("").replace(SOUND, ""))
+    (finding,) = check(tmp_path / "arm.urdf", codes={"INR001"}).findings
+    assert finding.severity == severity
 
 
 @pytest.mark.parametrize(("joint_name", "found"), [("j", False), ("knee", True)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,7 @@ import pytest
 from builders import box, collision, find, inertial, joint, link, mesh, robot, visual
 from castings import geometry, write_stl
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 
 SIZE = (0.4, 0.2, 0.1)
@@ -66,3 +67,64 @@ def test_one_mass_from_which_the_inertias_are_computed_was_chosen(tmp_path: Path
     text = robot(*parts, xacro=True)
     findings = find(tmp_path, text, {"INR007"}, name="robot.urdf.xacro")
     assert ([finding.message_id for finding in findings] == ["mass"]) == found
+
+
+PUBLISHER = "<launch><node pkg='robot_state_publisher' args='{}'/></launch>"
+
+
+@pytest.mark.parametrize(
+    ("files", "severities"),
+    [
+        ({}, "warning warning"),
+        ({"launch/show.launch": PUBLISHER.format("arm.urdf")}, "info info"),
+        (
+            {"launch/show.launch": PUBLISHER.format("arm.urdf"), "launch/sim.launch": "gazebo_ros arm.urdf"},
+            "warning warning",
+        ),
+        (
+            {"launch/show.launch": PUBLISHER.format("all.xacro"), "all.xacro": "<xacro:include filename='arm.urdf'/>"},
+            "info info",
+        ),
+        (
+            {
+                "launch/show.launch": PUBLISHER.format("all.xacro"),
+                "all.xacro": "<xacro:include filename='arm.urdf'/><gazebo/>",
+            },
+            "warning warning",
+        ),
+        ({"launch/plan.launch": "<launch>moveit arm.urdf</launch>"}, "warning info"),
+        ({"launch/plan.launch": "<launch>moveit arm.urdf kdl_kinematics_plugin</launch>"}, "warning info"),
+        ({"launch/plan.launch": "<launch>moveit arm.urdf pinocchio</launch>"}, "warning warning"),
+    ],
+)
+def test_placeholders_are_notes_where_nothing_reads_a_mass(
+    tmp_path: Path, files: dict[str, str], severities: str
+) -> None:
+    names = [f"l{index}" for index in range(5)]
+    numbers = inertial(1, ixx=1, iyy=1, izz=1)
+    parts = [
+        link(n, numbers, visual(box(f"{s} {s} {s}"))) for n, s in zip(names, (0.1, 0.2, 0.1, 0.3, 0.1), strict=True)
+    ]
+    joints = [joint(f"to_{n}", before, n, kind="continuous") for before, n in itertools.pairwise(names)]
+    for name, text in {"package.xml": "<package><name>arm</name></package>", **files}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    findings = find(tmp_path, robot(*parts, *joints), {"INR007"}, name="arm.urdf")
+    found = {finding.message_id: finding.severity.name.lower() for finding in findings}
+    assert [found["placeholder"], found["mass"]] == severities.split()
+
+
+@pytest.mark.parametrize(
+    ("launch", "severity"), [("<launch>moveit arm.urdf</launch>", 1), (PUBLISHER.format("arm.urdf"), 0)]
+)
+def test_a_body_without_mass_is_a_note_where_a_model_is_only_displayed(
+    tmp_path: Path, launch: str, severity: int
+) -> None:
+    zero = inertial(1, ixx=0, iyy=0, izz=0)
+    parts = [link("base", inertial(1)), *(link(n) + joint(f"to_{n}", "base", n, kind="continuous") for n in ("a",))]
+    parts += [link("b", zero), joint("to_b", "base", "b", kind="continuous")]
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    (tmp_path / "show.launch").write_text(launch)
+    findings = find(tmp_path, robot(*parts), {"INR001", "INR004"}, name="arm.urdf")
+    assert {finding.code for finding in findings} == {"INR001", "INR004"}
+    assert {finding.severity for finding in findings} == {[Severity.INFO, Severity.WARNING][severity]}

@@ -62,7 +62,9 @@ def test_links_with_one_forgotten_property_are_one_finding(tmp_path: Path) -> No
     (finding,) = merge_kinds(find(tmp_path, wheels))
     assert [subject.partition("/")[0] for subject in finding.subjects] == ["link[left]", "link[right]"]
     assert finding.fix is not None
-    assert finding.fix.title.endswith("correct wheel_mass or the <mass>, and use wheel_mass for both")
+    assert finding.fix.title.endswith(
+        "correct wheel_mass or the <mass>, and use wheel_mass for both if it is meant for this part"
+    )
 
 
 @pytest.mark.parametrize(

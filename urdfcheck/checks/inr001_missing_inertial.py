@@ -12,7 +12,10 @@ from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry,
 from urdfcheck.model.simulation_use import (
     gives_gazebo_sdf,
     has_bare_joints,
+    is_left_to_world,
+    is_loaded_for_frames,
     is_modelled_for_mujoco,
+    is_spawned_in_gazebo,
     is_started_in_simulator,
 )
 from urdfcheck.source.text.grammar import JOINT_TYPES
@@ -41,13 +44,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if is_modelled_for_mujoco(model) and not _SIMULATORS.intersection(model.targets):
             return
         solid = all(has_collision_geometry(model, body) for body in moving)
+        is_simulated = is_started_in_simulator(model) and not gives_gazebo_sdf(model) and not is_left_to_world(model)
         yield rule.finding(
-            "kinematic"
-            if _SIMULATORS.intersection(model.targets)
-            or (is_started_in_simulator(model) and not gives_gazebo_sdf(model))
-            else "display",
+            "kinematic" if _SIMULATORS.intersection(model.targets) or is_simulated else "display",
             at=model.name_location,
-            severity=Severity.INFO,
+            severity=Severity.WARNING if is_simulated and is_spawned_in_gazebo(model) else Severity.INFO,
             consequences={"mujoco": INFERS if solid else REFUSES},
             robot=model.name,
             what=f"robot {model.name}" if model.name else "the robot",
@@ -84,6 +85,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             message,
             at=head,
+            severity=Severity.INFO if is_loaded_for_frames(model) else None,
             consequences={
                 "mujoco": INFERS if has_collision_geometry(model, body) else REFUSES,
                 **dict.fromkeys(("pinocchio", "drake"), LIGHT if heavy else NAN),

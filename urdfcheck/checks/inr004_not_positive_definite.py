@@ -23,6 +23,8 @@ from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.simulation_use import is_loaded_for_frames
+from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
     from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
@@ -239,7 +241,7 @@ def _check_singular_links(
         yield rule.finding(
             message,
             at=declared.element,
-            severity=Severity.WARNING,
+            severity=Severity.INFO if is_loaded_for_frames(model) else Severity.WARNING,
             cause="placeholder" if declared.components in placeholders else None,
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
@@ -247,7 +249,8 @@ def _check_singular_links(
             **_collect_remedy(model, message, [declared], placeholders.get(declared.components)),
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
-    for group, severity in ((refused, Severity.WARNING), ([d for d in harmless if d not in refused], Severity.INFO)):
+    severe = Severity.INFO if refused and is_loaded_for_frames(model) else Severity.WARNING
+    for group, severity in ((refused, severe), ([d for d in harmless if d not in refused], Severity.INFO)):
         if group:
             described = {placeholders.get(declared.components) for declared in group}
             shared = described.pop() if len(described) == 1 else None
@@ -306,7 +309,11 @@ def _collect_remedy(
 
     remedy = _FORMULAS[message]
     unknown = {describe_unknown_mass(declared.inertial.mass or 0.0) for declared in links}
-    if len(unknown) == 1 and unknown != {""}:
+    zeros = _list_zero_factors(links[0]) if len(links) == 1 and message == "point" else []
+    if zeros:
+        typed = " and ".join(f"{name} = 0" for name in zeros)
+        remedy = f"correct {typed}: the tensor is computed from {'it' if len(zeros) == 1 else 'them'}"
+    elif len(unknown) == 1 and unknown != {""}:
         remedy = f"{unknown.pop()}, and the tensor"
     elif placeholder is not None:
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
@@ -321,6 +328,13 @@ def _collect_remedy(
     elif any(has_drawn_shape(declared.link) for declared in links):  # a part of some shape: no bar, no ball
         remedy = _BY_SHAPE
     return {"found": placeholder or "", "remedy": remedy}
+
+
+def _list_zero_factors(declared: DeclaredTensor) -> list[str]:
+    """List the names with the value 0 from which all three moments are computed."""
+    moments = [declared.get_attribute(i) for i in DIAGONAL]
+    zeros = [{one.name for one in at.collect_definitions() if parse_number(one.value) == 0.0} for at in moments]
+    return sorted(set().union(*zeros)) if all(zeros) else []
 
 
 def _predict_mujoco(message: str, links: Sequence[DeclaredTensor]) -> dict[str, str]:

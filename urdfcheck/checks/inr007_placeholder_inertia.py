@@ -25,7 +25,7 @@ from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
-from urdfcheck.model.simulation_use import is_loaded_for_frames, is_made_for_display
+from urdfcheck.model.simulation_use import is_loaded_for_frames, is_made_for_display, is_never_weighed
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -38,8 +38,12 @@ _FEWEST_MASSES = 3
 _ALONG = 0.9
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
+# A link of at most this mass in kg that nothing is fixed to is the marker of a point. So small a moment in kg m² was chosen for
+# it: it keeps an engine stable, and the rotor of the smallest drive has more.
+_MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
+_TOO_LARGE_BASE = {"gazebo": "too much inertia makes the robot tilt and turn sluggishly", "mujoco": "loads it"}
 _TOO_SMALL = {
     "gazebo": "too little inertia makes a joint shake or explode",
     "mujoco": "too little inertia makes the simulation unstable at the default time step",
@@ -122,10 +126,19 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
                 continue
             declared, mass = model.tensor_by_name[name], model.mass_by_name[name].mass
             share, misfit = shares[name][1], _measure_misfit(model, declared, mass, factor)
+            if misfit is not None and len(body.links) == 1 and _is_marker(declared, mass, misfit):
+                continue
             # A moment that is too small counts as much as the one that it should be.
             lack = 1.0 if misfit is None else max(1.0, misfit.expected / max(declared.components))
             if not has_negligible_moment(mass, share * lack):
                 yield _PlaceholderInertial(declared, mass, description, share, misfit=misfit)
+
+
+def _is_marker(declared: DeclaredTensor, mass: float, misfit: _Misfit) -> bool:
+    """Whether a link by itself marks a point, such as the one where a loop closes, with a tensor that is small and no smaller
+    than that of what is drawn."""
+    largest = max(declared.components)
+    return mass <= _MARKER_MASS and misfit.expected <= largest <= _MARKER_MOMENT
 
 
 def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
@@ -228,9 +241,12 @@ def _build_tensor_finding(
     if worst is None or worst.misfit is None:
         masses = sorted(suspect.mass for suspect in every)
         between = f"{masses[0]:.3g} to {masses[-1]:.3g} kg"
-        finding = rule.finding("shared", at=places[0], related=places[1:], masses=between, **data)
+        severity = Severity.INFO if is_loaded_for_frames(model) else None
+        finding = rule.finding("shared", at=places[0], related=places[1:], severity=severity, masses=between, **data)
     else:
         is_less = worst.misfit.expected < max(worst.declared.components)
+        moved = {name for body in list_whole_bodies(model) if body.is_movable for name in body.links}
+        too_large = _TOO_LARGE_BASE if moved.isdisjoint(names) else _TOO_LARGE
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
@@ -249,7 +265,7 @@ def _build_tensor_finding(
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
-            consequences=_TOO_LARGE if is_less else _TOO_SMALL,
+            consequences=too_large if is_less else _TOO_SMALL,
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
@@ -276,8 +292,8 @@ def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:
     """Return an error where a tensor is so large that no undrawn part makes up for it, and an info where only the moment of rods
-    about their own length is off; None: as the page says."""
-    if all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
+    about their own length is off, or the model is only displayed; None: as the page says."""
+    if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
         return Severity.INFO
     return Severity.ERROR if any(_is_vast(model, suspect) for suspect in known) else None
 
@@ -341,7 +357,7 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
         "mass",
         at=alike[0].attribute,
         related=[declared.attribute for declared in alike[1:]],
-        severity=Severity.INFO if is_loaded_for_frames(model) else None,
+        severity=Severity.INFO if _count_bodies(model, alike) == 1 or is_never_weighed(model) else None,
         count=count,
         total=len(heavy),
         mass=mass,
@@ -352,6 +368,12 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     )
     # The robot is its subject, so that it does not hide other findings about one of the links.
     yield replace(finding, subjects=(model.location.subject,))
+
+
+def _count_bodies(model: Model, alike: Sequence[DeclaredMass]) -> int:
+    """Count the rigid bodies that links belong to: of links that are fixed to each other, only the sum of the masses matters."""
+    names = {declared.link.name for declared in alike}
+    return sum(not names.isdisjoint(body.links) for body in list_whole_bodies(model)) or len(alike)
 
 
 def _are_inertias_computed(

@@ -12,6 +12,7 @@ from urdfcheck.facts.inertials.materials import describe_density, format_density
 from urdfcheck.model import DeclaredMass, Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density, find_tenfold_density
 from urdfcheck.model.shapes.solids import measure_link_solid
+from urdfcheck.model.simulation_use import is_loaded_for_frames
 
 # kg/m³ of a part without a material -> the cause that names the programs.
 DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}
@@ -47,7 +48,7 @@ def check(
             at=near[0].attribute.location,
             related=[declared.attribute.location for declared in near[1:]],
             cause=cause,
-            severity=None if any(joint.is_movable for joint in model.joints) else Severity.INFO,
+            severity=None if _is_felt(model) else Severity.INFO,
             count=len(near),
             known=len(densities),
             default=default,
@@ -55,6 +56,11 @@ def check(
             mass=sum(declared.mass for declared in near),
             links=[declared.link.name for declared in near],
         )
+
+
+def _is_felt(model: Model) -> bool:
+    """Whether a joint moves a mass of the model, and the project is not known to display it alone."""
+    return any(joint.is_movable for joint in model.joints) and not is_loaded_for_frames(model)
 
 
 def _check_tenfold(

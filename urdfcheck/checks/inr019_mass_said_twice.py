@@ -47,14 +47,18 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
                 mass=declared.mass,
                 given=other.given,
                 factor=other.given / declared.mass,
-                remedy=_describe_remedy(other.definition),
+                remedy=_describe_remedy(other),
             )
 
 
-def _describe_remedy(definition: Definition) -> str:
-    if definition.kind == "parameter":
-        return f"correct {definition.name} in the call of the macro, or the <mass>"
-    return f"correct {definition.name} or the <mass>, and use {definition.name} for both"
+def _describe_remedy(other: _OtherMass) -> str:
+    name = other.definition.name
+    if other.definition.kind == "parameter":
+        return f"correct {name} in the call of the macro, or the <mass>"
+    own = {one.name for one in other.at.collect_definitions() if _is_mass_name(one.name)} - {name}
+    if own:  # each of the two names may be that of another link, whose numbers were copied
+        return f"use {' or '.join((*sorted(own), name))}, whichever is the mass of this link, for both"
+    return f"correct {name} or the <mass>, and use {name} for both if it is meant for this part"
 
 
 def _find_other_mass(declared: CompleteInertial, rel_tol: float) -> _OtherMass | None:

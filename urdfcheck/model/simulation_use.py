@@ -11,7 +11,7 @@ from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import MODEL_FILE, name_other_models_only, read_project_texts
+from urdfcheck.source.uses_elsewhere import MODEL_FILE, name_other_models_only, read_includers, read_project_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # Elements of a robot that only simulators read.
@@ -41,10 +41,14 @@ _COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tes
 _COLLIDING_ENGINE = re.compile(
     r"mujoco|mjcf|isaac|drake|bullet|webots|coppelia|raisim|newton|genesis|sapien", re.IGNORECASE
 )
-# Programs that compute with masses without being simulators, in launch files and scripts.
-_DYNAMICS = re.compile(r"pinocchio|rbdl|\bkdl|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE)
+# Programs that compute with masses without being simulators, in launch files and scripts. KDL's kinematics for MoveIt do not.
+_DYNAMICS = re.compile(
+    r"pinocchio|rbdl|\bkdl(?!_kinematics)|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE
+)
 # Programs that draw a COLLADA file as if it were in metres, in manifests and scripts.
 _UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|pydrake|\bdrake\b|newton", re.IGNORECASE)
+# Elements and files of a robot for a simulator or for controllers, as a xacro file names them.
+_CONTROLLED = re.compile(r"gazebo|mujoco|isaac|ros2_control|transmission")
 # The program that publishes the frames of a robot and reads no mass.
 _STATE_PUBLISHER = re.compile(r"\b(?:robot_state_publisher|state_publisher)\b")
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
@@ -55,6 +59,10 @@ _START_OPTION = re.compile(r"(?<![\w-])-J\b")
 _SDF = re.compile(r"\w\.sdf\b")
 _SPAWNS_FILE = re.compile(r"(?<![\w-])-file\b")
 _SPAWNS_DESCRIPTION = re.compile(r"(?<![\w-])-(?:topic|param|string|urdf)\b")
+# A model of a folder, as worlds include it.
+_WORLD_MODEL = re.compile(r"<uri>\s*model://(?!sun\b|ground_plane\b)")
+# Programs and services that put a robot into a world of Gazebo that runs.
+_SPAWNER = re.compile(r"spawn|SpawnEntity|EntityFactory|/create\b|[\"']create[\"']")
 # A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
 _FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
@@ -176,6 +184,29 @@ def gives_gazebo_sdf(model: Model) -> bool:
     return gives_sdf and not any(map(_SPAWNS_DESCRIPTION.search, spawning))
 
 
+def is_spawned_in_gazebo(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, starts Gazebo, names the model's own file and no other
+    model, and gives Gazebo a file, or a robot_description."""
+    own = _compile_names((model.source.path.name,))
+    return any(
+        _GAZEBO.search(text)
+        and own.search(text)
+        and not _names_other_model(text, model.source.path.name)
+        and (_SPAWNS_FILE.search(text) or _SPAWNS_DESCRIPTION.search(text))
+        and not _SDF.search(text)
+        for text in _list_project_texts(model)
+    )
+
+
+def is_left_to_world(model: Model) -> bool:
+    """Whether no file of the model's package, or of one that depends on it, spawns a robot in Gazebo, and a world of theirs has
+    models in it: then the simulated robot is one of these."""
+    texts = _list_project_texts(model)
+    return any("<world" in text and _WORLD_MODEL.search(text) for text in texts) and not any(
+        map(_SPAWNER.search, texts)
+    )
+
+
 def _cut_name(file: str) -> str:
     return file.partition(".")[0]
 
@@ -206,17 +237,38 @@ def is_made_for_display(model: Model) -> bool:
     return has_bare_joints(model) and any(link.visuals for link in _list_moving_links(model))
 
 
+@fact
 def is_loaded_for_frames(model: Model) -> bool:
-    """Whether the files that name the model's own one start a program that publishes its frames, and none that reads a mass; and
-    no file gives whatever robot is loaded to one that does. The robot itself is for none either."""
-    own = re.compile(rf"(?<![\w.-]){re.escape(model.source.path.name)}(?![\w.-])")
+    """Whether the files that name the model's own one, or one that includes it, start a program that publishes its frames, and
+    none that reads a mass; and no file gives whatever robot is loaded to one that does. The robot itself is for none either."""
+    includers = read_includers(model.source)
+    own = _compile_names((model.source.path.name, *includers))
     texts = _list_project_texts(model)
-    naming = [text for text in texts if own.search(text)]
+    # What includes it may make of the part a robot for a simulator.
+    if any(_CONTROLLED.search(text) for text in includers.values()):
+        return False
+    naming = [text for text in texts if own.search(text) and text not in includers.values()]
     if not naming or not all(_STATE_PUBLISHER.search(text) and not _reads_masses(text) for text in naming):
         return False
     if any("robot_description" in text and not MODEL_FILE.search(text) and _reads_masses(text) for text in texts):
         return False
     return not any(model.robot.find_child(tag) is not None for tag in ("gazebo", "ros2_control", "transmission"))
+
+
+def is_never_weighed(model: Model) -> bool:
+    """Whether nothing that is known of a project reads the masses of the model: it is only displayed, or a file of its package,
+    or of one that depends on it, names it, and none names a simulator or another program that reads them. Motion planning does
+    not, nor do drives that follow positions."""
+    if is_loaded_for_frames(model):
+        return True
+    own, texts = _compile_names((model.source.path.name,)), _list_project_texts(model)
+    if model.source.package is None or _has_elements(model) or not any(map(own.search, texts)):
+        return False
+    return not any(_GAZEBO.search(text) or _reads_masses(text) for text in texts)
+
+
+def _compile_names(names: Iterable[str]) -> re.Pattern[str]:
+    return re.compile(rf"(?<![\w.-])(?:{'|'.join(map(re.escape, names))})(?![\w.-])")
 
 
 def _reads_masses(text: str) -> bool:

@@ -66,8 +66,8 @@ class FinalFindings:
     """Rules of which more findings were reported than the report lists."""
 
 
-# What a report says of models that are data of tests.
-_FOR_TESTS = "of test data only errors are reported; name the file to have all"
+# What a report says of models that are data of tests, or are kept and not used.
+_FOR_TESTS = "of test data and of files kept aside only errors are reported; name the file to have all"
 
 
 def finalize_unit_findings(

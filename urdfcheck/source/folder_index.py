@@ -20,7 +20,13 @@ from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS, iter_package_texts, read_package_texts
+from urdfcheck.source.package.package_folders import (
+    ASIDE_FOLDERS,
+    BUILD_FOLDERS,
+    IGNORE_MARKS,
+    iter_package_texts,
+    read_package_texts,
+)
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.git import list_ignored
 
@@ -28,8 +34,8 @@ from urdfcheck.system.git import list_ignored
 # checked as a model.
 MAX_COMPARED = 500_000
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
-# Folders with the data of tests, by their names in lower case.
-_TEST_FOLDERS = frozenset({"benchmark", "benchmarks", "fixtures", "test", "test_data", "testdata", "tests"})
+# Folders with the data of tests, and with files that are kept and not used, by their names in lower case.
+_TEST_FOLDERS = ASIDE_FOLDERS | {"benchmark", "benchmarks", "fixtures", "test", "test_data", "testdata", "tests"}
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 
@@ -202,7 +208,8 @@ class FolderIndex:
         return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
 
     def is_test_data(self, path: Path) -> bool:
-        """Whether a file is in a folder of tests below this one, and no file outside such folders includes it or names it."""
+        """Whether a file is in a folder of tests, or of files that are kept and not used, below this one, and no file outside
+        such folders includes it or names it."""
         return self._is_in_tests(path) and path.name not in self._names_outside_tests
 
     def _is_in_tests(self, path: Path) -> bool:

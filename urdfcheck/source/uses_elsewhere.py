@@ -121,6 +121,32 @@ def find_other_includers(source: Source, name: str) -> list[str]:
     return sorted(found)
 
 
+def read_includers(source: Source) -> dict[str, str]:
+    """Read the files of the model's package that include the model's own file, or one that does: their texts by name.
+
+    Nothing without a package.
+    """
+    if source.package is None:
+        return {}
+    texts: dict[str, str] = {}
+    for path in _iter_caller_files(source.package.path, deep=True):
+        if path.suffix.lower() in _INCLUDED_SUFFIXES and path != source.path and source.finder.can_open(path):
+            try:
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
+            except OSError:
+                continue
+            if "<xacro:include" in text:
+                texts[path.name] = text
+    found: dict[str, str] = {}
+    names = {source.path.name}
+    while names:
+        including = re.compile(rf"<xacro:include\s[^<>]*(?<![\w.-])(?:{'|'.join(map(re.escape, sorted(names)))})[\"']")
+        new = {name: text for name, text in texts.items() if name not in found and including.search(text)}
+        found |= new
+        names = set(new)
+    return found
+
+
 def find_conditional_include(source: Source) -> tuple[Path, str] | None:
     """Find a file of the model's package that includes the model's own file under a condition, which is returned as typed."""
     if source.package is None:
