@@ -35,8 +35,8 @@ from urdfcheck.facts.sphere_directions import spread_directions_and_axes
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Bools, Indices, Mat4, Vec3
 
-# coal's tolerances are absolute, 1e-6: its unit of length is about the radius of the smaller shape of a pair. It is a power of 2, so that
-# lengths are scaled exactly, and of 2 to this power, so that a mesh has few trees.
+# coal's tolerances are absolute, 1e-6: its unit of length is about the radius of the smaller shape of a pair. It is a power
+# of 2, which scales lengths exactly, and of 2 to this power, so that a mesh has few trees.
 _UNIT_STEP = 3
 # Comparisons of spheres in one batch, to keep memory flat: 24 bytes each.
 _BATCH_SIZE = 500_000
