@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 import re
 from collections.abc import Iterator
 from dataclasses import replace
-from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices
-from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
-from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
-from urdfcheck.system.files import read_regular
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 
@@ -27,13 +22,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         at = locate_expression(source, problem, f"$(arg {name})")
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
-        from urdfcheck.source.xacro.argument_values import (
-            find_argument_choices,
-        )  # loaded only if an argument is missing
+        # Both are loaded only if an argument is missing.
+        from urdfcheck.source.launch.loaded_files import find_passing_launch
+        from urdfcheck.source.xacro.argument_values import find_argument_choices
 
         known = {choice.name: choice.existing_values for choice in find_argument_choices(source.path, source.finder)}
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
-        passing = _find_passing_launch(source, name)
+        passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
         finding = rule.finding(
             "too-late" if declared else "missing",
@@ -51,23 +46,6 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
         # Where it is started the model has a value: only here nothing is known of it.
         yield finding if passing is None else replace(finding, severity=Severity.WARNING, blocks_check=True)
-
-
-def _find_passing_launch(source: Source, name: str) -> Path | None:
-    """Return a launch file of the package that names the model's file and passes an argument of this name."""
-    if source.package is None or not source.finder.can_open(source.package.path):
-        return None
-    launches = itertools.islice(iter_launch_files(source.package.path, source.finder), MOST_LAUNCHES)
-    return next(
-        (path for path in launches if _names_file(path, source.path.name) and may_pass_argument(path, name)), None
-    )
-
-
-def _names_file(launch: Path, name: str) -> bool:
-    try:
-        return name.encode() in read_regular(launch, MAX_PYTHON)
-    except OSError:
-        return False
 
 
 def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -1,12 +1,13 @@
-"""Which model the launch files that load a file start with it."""
+"""Which launch files of a package load a file, with which model and which argument."""
 
 from __future__ import annotations
 
 import itertools
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
-from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files
+from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.files import read_regular
@@ -18,18 +19,29 @@ _MODEL_NAME = re.compile(r"[\w.-]*\.(?:urdf|xacro)\b")
 
 def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> bool:
     """Whether launch files of the package of a file load it, and all of these name other models' files, not this model's."""
+    is_loaded = False
+    for _, text in _iter_launch_texts(path, finder):
+        names = set(_MODEL_NAME.findall(text))
+        if not names or model.name in names or any(name.startswith(".") for name in names):
+            return False
+        is_loaded = True
+    return is_loaded
+
+
+def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
+    """Return a launch file of the package of a model's file that names it and passes an argument of this name."""
+    return next((launch for launch, _ in _iter_launch_texts(path, finder) if may_pass_argument(launch, name)), None)
+
+
+def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
+    """Yield the launch files of the package of a file that name it, each with its text."""
     package = finder.find_package_of(path.absolute())
     if package is None or not finder.can_open(package.path):
-        return False
-    is_loaded = False
+        return
     for launch in itertools.islice(iter_launch_files(package.path, finder), MOST_LAUNCHES):
         text = _read_text(launch)
         if path.name in text:
-            names = set(_MODEL_NAME.findall(text))
-            if not names or model.name in names or any(name.startswith(".") for name in names):
-                return False
-            is_loaded = True
-    return is_loaded
+            yield launch, text
 
 
 def _read_text(launch: Path) -> str:
