@@ -20,7 +20,8 @@ from urdfcheck.model.motion.collisions.self_collisions import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
-from urdfcheck.model.simulation_use import ignores_self_collisions, is_without_dynamics
+from urdfcheck.model.use.display import is_without_dynamics
+from urdfcheck.model.use.simulators import ignores_self_collisions
 
 if TYPE_CHECKING:
     from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes

@@ -12,7 +12,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.repairs.edits import edit_content
-from urdfcheck.model.simulation_use import names_ros_control
+from urdfcheck.model.use.other_programs import names_ros_control
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Element
 

@@ -28,7 +28,7 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
-from urdfcheck.model.simulation_use import is_simulated_hardware
+from urdfcheck.model.use.simulators import is_simulated_hardware
 from urdfcheck.source.load import read_xacro_source
 from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.package.finder import format_path

@@ -15,7 +15,7 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
-from urdfcheck.model.simulation_use import is_left_aside, is_started_in_simulator
+from urdfcheck.model.use.simulators import is_left_aside, is_started_in_simulator
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 if TYPE_CHECKING:

@@ -10,7 +10,8 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import find_only_near_name, format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
-from urdfcheck.model.simulation_use import has_successor_branch, is_only_displayed, names_successor, starts_classic
+from urdfcheck.model.use.display import is_only_displayed
+from urdfcheck.model.use.gazebo_starts import has_successor_branch, names_successor, starts_classic
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.uses_elsewhere import is_left_output

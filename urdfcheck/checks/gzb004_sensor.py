@@ -26,7 +26,7 @@ from urdfcheck.model.gazebo import (
     list_sensors,
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
-from urdfcheck.model.simulation_use import names_successor, starts_classic
+from urdfcheck.model.use.gazebo_starts import names_successor, starts_classic
 from urdfcheck.source.text.tokens import read_typed_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element

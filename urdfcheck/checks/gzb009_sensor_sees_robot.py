@@ -11,7 +11,7 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import list_sensors
 from urdfcheck.model.parts import locate_geometry
-from urdfcheck.model.simulation_use import names_scan_filter
+from urdfcheck.model.use.other_programs import names_scan_filter
 
 if TYPE_CHECKING:
     from urdfcheck.model.shapes.sensor_rays import SelfScan

@@ -9,15 +9,9 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
-from urdfcheck.model.simulation_use import (
-    gives_gazebo_sdf,
-    has_bare_joints,
-    is_left_to_world,
-    is_loaded_for_frames,
-    is_modelled_for_mujoco,
-    is_spawned_in_gazebo,
-    is_started_in_simulator,
-)
+from urdfcheck.model.use.display import has_bare_joints, is_loaded_for_frames
+from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf, is_left_to_world, is_spawned_in_gazebo
+from urdfcheck.model.use.simulators import is_modelled_for_mujoco, is_started_in_simulator
 from urdfcheck.source.text.grammar import JOINT_TYPES
 
 # The targets that simulate robots.

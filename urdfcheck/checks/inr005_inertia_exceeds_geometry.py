@@ -57,7 +57,7 @@ from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
-from urdfcheck.model.simulation_use import is_made_for_display
+from urdfcheck.model.use.display import is_made_for_display
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

@@ -25,7 +25,7 @@ from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
-from urdfcheck.model.simulation_use import is_loaded_for_frames, is_made_for_display, is_never_weighed
+from urdfcheck.model.use.display import is_loaded_for_frames, is_made_for_display, is_never_weighed
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

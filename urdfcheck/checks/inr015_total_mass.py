@@ -15,7 +15,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import has_drawn_shape
-from urdfcheck.model.simulation_use import is_made_for_display
+from urdfcheck.model.use.display import is_made_for_display
 
 # Osmium, the densest material at room pressure (kg/m³).
 DENSEST = 22_590.0

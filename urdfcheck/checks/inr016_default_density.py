@@ -12,7 +12,7 @@ from urdfcheck.facts.inertials.materials import describe_density, format_density
 from urdfcheck.model import DeclaredMass, Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density, find_tenfold_density
 from urdfcheck.model.shapes.solids import measure_link_solid
-from urdfcheck.model.simulation_use import is_loaded_for_frames
+from urdfcheck.model.use.display import is_loaded_for_frames
 
 # kg/m³ of a part without a material -> the cause that names the programs.
 DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}

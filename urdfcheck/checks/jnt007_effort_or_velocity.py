@@ -11,8 +11,9 @@ from urdfcheck.core.text import format_count, join_names, split_name_words
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.simulation_use import has_bare_joints, is_simulated_hardware
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
+from urdfcheck.model.use.display import has_bare_joints
+from urdfcheck.model.use.simulators import is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_around

@@ -22,7 +22,7 @@ from urdfcheck.model.likeness.shape_comparison import list_alike_links
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
-from urdfcheck.model.simulation_use import is_steered_in_sdf
+from urdfcheck.model.use.gazebo_starts import is_steered_in_sdf
 from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
 
 if TYPE_CHECKING:

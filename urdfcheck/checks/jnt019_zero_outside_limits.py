@@ -11,13 +11,9 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.simulation_use import (
-    has_bare_joints,
-    is_simulated,
-    is_simulated_hardware,
-    is_started_elsewhere,
-    is_started_in_simulator,
-)
+from urdfcheck.model.use.display import has_bare_joints
+from urdfcheck.model.use.gazebo_starts import is_started_elsewhere
+from urdfcheck.model.use.simulators import is_simulated, is_simulated_hardware, is_started_in_simulator
 from urdfcheck.source.text.values import parse_number
 
 _LEAST_LEGS = 4

@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
-from urdfcheck.model.simulation_use import names_mimic_engine
+from urdfcheck.model.use.gazebo_starts import names_mimic_engine
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -12,7 +12,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.link_graph import KinematicGraph
-from urdfcheck.model.simulation_use import is_left_out_of_gazebo, is_simulated
+from urdfcheck.model.use.gazebo_starts import is_left_out_of_gazebo
+from urdfcheck.model.use.simulators import is_simulated
 
 # MuJoCo needs a joint's name only where something refers to it.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the second name by an empty one"}

@@ -12,7 +12,7 @@ from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
-from urdfcheck.model.simulation_use import find_attaching_program, is_named_in_package
+from urdfcheck.model.use.other_programs import find_attaching_program, is_named_in_package
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 

@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
-from urdfcheck.model.simulation_use import is_left_out_of_gazebo
+from urdfcheck.model.use.gazebo_starts import is_left_out_of_gazebo
 
 # libsdformat takes a smaller mass for zero (gz::math::equal).
 _NO_MASS = 1e-6

@@ -12,7 +12,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.shapes.mesh_sizes import MeasuredMesh, MeshSizes, SizeLimits, measure_mesh_sizes
-from urdfcheck.model.simulation_use import names_unitless_program
+from urdfcheck.model.use.other_programs import names_unitless_program
 
 # Programs that draw a COLLADA file as if it were in metres.
 _UNITLESS = frozenset({"drake", "isaac", "mujoco", "newton", "pinocchio", "trimesh", "yourdfpy"})

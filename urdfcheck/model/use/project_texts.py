@@ -1,0 +1,29 @@
+"""The texts of a project in which its robot may be named: manifests, launch files, scripts, worlds."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable
+
+from urdfcheck.model.fact import fact
+from urdfcheck.model.robot import Model
+from urdfcheck.source.uses_elsewhere import read_project_texts
+
+_REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
+
+
+@fact
+def list_project_texts(model: Model) -> tuple[str, ...]:
+    """List the texts of `read_project_texts` without comments."""
+    return tuple(_drop_comments(text) for text in read_project_texts(model.source))
+
+
+def _drop_comments(text: str) -> str:
+    """Leave out comments: generated manifests mention Gazebo in theirs."""
+    head, *rest = text.split("<!--")
+    return _REMARK.sub("", head + "".join(piece.partition("-->")[2] for piece in rest))
+
+
+def compile_names(names: Iterable[str]) -> re.Pattern[str]:
+    """Compile a pattern of these names, each as a whole word."""
+    return re.compile(rf"(?<![\w.-])(?:{'|'.join(map(re.escape, names))})(?![\w.-])")
