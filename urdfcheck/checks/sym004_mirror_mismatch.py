@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import is_round
-from urdfcheck.facts.inertials.twin_slips import TwinSlip
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_rounding
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     are_alike_when_spun,
@@ -167,13 +167,14 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if _is_explained_by_one_side(model, pair):
             return None
         return _compare_principal_moments(model, rule, pair, shares=shares)
-    if not both[1].deviation.worst > note:
+    is_rounded = _is_rounded(both)
+    if not both[1].deviation.worst > note and not is_rounded:
         return None
     if are_drawn_in_one_place(model, both[0].link, both[1].link):
         return _build_drawing_finding(rule, pair, both[1], shares=shares)
     typed, wrong = _judge_sides(model, pair, both, note=note)
     side, like = (both[1], ()) if wrong is None else wrong
-    if _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
+    if not is_rounded and _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
         return None
     deviation = side.deviation
     why = _explain_difference(model, pair, both, typed=typed, side=side, note=note, is_decided=wrong is not None)
@@ -244,6 +245,15 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     message = "typed" if typed is not None else "like" if like else "inertial"
     remedy = "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _is_rounded(both: Sequence[PairSide]) -> bool:
+    """Whether one side has the other's tensor with too few digits: the smallest moment is off, however little the sum is."""
+    side = both[1]
+    return any(
+        find_rounding(*numbers) is not None
+        for numbers in ((side.actual, side.expected), (side.expected, side.actual))
+    )
 
 
 def _describe_either_repair(
@@ -634,7 +644,7 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
-    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated
+    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated and not _may_be_in_degrees(joint)
     severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
     return rule.finding(
         message,
@@ -651,6 +661,13 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
+
+
+def _may_be_in_degrees(joint: Joint) -> bool:
+    """Whether an end of a hinge's range is beyond two turns: JNT006 knows the unit, and the numbers of the twin may not be its
+    own."""
+    ends = (abs(joint.get_limit_value(name) or 0.0) for name in ("lower", "upper"))
+    return joint.type == "revolute" and max(ends) > 2.0 * math.tau
 
 
 def _is_about_placeholders(mismatch: MismatchedLimit) -> bool:

@@ -66,8 +66,9 @@ _OFF_ALIKE = 0.005
 _CLEAR_PRODUCT = 0.05
 # Mistakes that change the COM and the tensor.
 _OF_ALL_LENGTHS = frozenset({"units", "mesh_scale"})
-# Mass and moments of so many digits in all are not twice in a file by chance.
-_TELLING_DIGITS = 6
+# Mass and moments of so many digits in all are not twice in a file by chance; a program that copies them may write fewer than the
+# 16 that there are.
+_TELLING_DIGITS, _COPIED_DIGITS = 6, 9
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -367,7 +368,7 @@ def find_side_slip(both: Sequence[PairSide], threshold: float) -> TwinSlip | Non
 
 
 def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:
-    """Find the side whose mass and tensor are those of a link that is no counterpart of either, digit for digit, and that link;
+    """Find the side whose mass and tensor are those of a link that is no counterpart of either, to nine digits, and that link;
     None where neither side or both have such numbers."""
     found: list[tuple[Link, Link]] = []
     for side in (one, other):
@@ -378,20 +379,24 @@ def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] 
 
 
 def find_same_numbers(model: Model, link: Link, others: Iterable[Link]) -> Link | None:
-    """Find the first of some ``others`` with the mass and the tensor of a link, digit for digit; None where none has them, or so
-    few digits that chance makes them equal."""
+    """Find the first of some ``others`` with the mass and the tensor of a link, to nine digits; None where none has them, or so few
+    digits that chance makes them equal."""
     declared = model.tensor_by_name[link.name]
     numbers = {declared.inertial.mass, *map(abs, declared.components)} - {None, 0.0}
     if sum(len(f"{number:.16g}".partition("e")[0].replace(".", "").strip("0")) for number in numbers) < _TELLING_DIGITS:
         return None
+    typed = _round_typed_numbers(declared)
     for other in others:
         known = model.tensor_by_name.get(other.name)
-        if known is not None and (known.inertial.mass, known.components) == (
-            declared.inertial.mass,
-            declared.components,
-        ):
+        if known is not None and known.inertial.mass is not None and _round_typed_numbers(known) == typed:
             return other
     return None
+
+
+def _round_typed_numbers(declared: DeclaredTensor) -> tuple[str, ...]:
+    """Return mass and tensor with as many digits as a program writes that copies them."""
+    numbers = (declared.inertial.mass or 0.0, *declared.components)
+    return tuple(f"{number + 0.0:.{_COPIED_DIGITS}g}" for number in numbers)
 
 
 def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[str]:
