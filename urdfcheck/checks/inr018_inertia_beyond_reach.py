@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
+from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import Link
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
@@ -60,6 +61,7 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
     reach = measure_reach(model, with_shapes=True)
     if reach is None:
         return
+    bolted = list_bolted_links(model)
     for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
@@ -72,7 +74,7 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif far.total > whole * reach or is_beyond_own:
+            elif far.distance > whole * reach or is_beyond_own or (far.total > whole * reach and name not in bolted):
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.

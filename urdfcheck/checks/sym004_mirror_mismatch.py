@@ -26,11 +26,11 @@ from urdfcheck.facts.likeness.mirror import (
     find_wrong_signs,
     measure_principal_deviation,
 )
-from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model import DeclaredTensor, Joint, Link, Model
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
-from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
-from urdfcheck.model.inertials.inertial_effects import is_chance_decimal
+from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
@@ -251,8 +251,7 @@ def _is_rounded(both: Sequence[PairSide]) -> bool:
     """Whether one side has the other's tensor with too few digits: the smallest moment is off, however little the sum is."""
     side = both[1]
     return any(
-        find_rounding(*numbers) is not None
-        for numbers in ((side.actual, side.expected), (side.expected, side.actual))
+        find_rounding(*numbers) is not None for numbers in ((side.actual, side.expected), (side.expected, side.actual))
     )
 
 
@@ -487,8 +486,8 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
-        if diagnosed is not None and is_chance_decimal(model, model.tensor_by_name[name], diagnosed):
-            cause = None  # INR009 reports none either
+        if diagnosed is not None and _is_left_out(model, model.tensor_by_name[name], diagnosed):
+            cause = None
         causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
         if diagnosed is not None:
             declared.append(diagnosed.declared)
@@ -498,6 +497,14 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
         return causes[0] != causes[1]
     before, after = measure_principal_deviation(*declared).spread, measure_principal_deviation(*undone).spread
     return before <= _SLIGHT_SPREAD or after < _NEARER * before
+
+
+def _is_left_out(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether INR009 names no cause: a made-up number is a power of ten off by chance, or the mass is made up."""
+    numbers = judged.declared
+    return is_chance_decimal(model, tensor, judged) or has_unknown_mass(
+        model, tensor.link, numbers.mass, numbers.tensor
+    )
 
 
 def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:

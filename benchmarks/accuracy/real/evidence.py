@@ -105,7 +105,9 @@ def _is_point_of_body(part: Part, new: Numbers) -> bool:
     if tree is None or new.six.any() or not new.mass > 0:
         return False
     body = set(tree.list_body_links(part.link.name)) - {part.link.name}
-    return any(other.link.name in body and other.numbers is not None and other.numbers.six.any() for other in part.owner.parts)
+    return any(
+        other.link.name in body and other.numbers is not None and other.numbers.six.any() for other in part.owner.parts
+    )
 
 
 def _get_tree(part: Part) -> Tree | None:

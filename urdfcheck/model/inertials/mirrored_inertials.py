@@ -33,7 +33,7 @@ from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_in
 from urdfcheck.model.likeness.mirror_pairs import MUCH_BETTER, MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.parts import TENSOR_NAMES, Link
+from urdfcheck.model.parts import TENSOR_NAMES, DeclaredTensor, Link
 from urdfcheck.model.repairs.edits import AttributeChange
 from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.rigid_bodies import is_point_mass
@@ -318,9 +318,10 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
     """
     if side.deviation.mass > threshold:
         return None
-    if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
+    is_off = side.deviation.worst > threshold  # else only digits may be missing
+    if is_off and any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
-    if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
+    if is_off and pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
     if find_rounding(side.actual, side.expected) or find_rounding(side.expected, side.actual):
         return "rounded"
@@ -379,8 +380,8 @@ def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] 
 
 
 def find_same_numbers(model: Model, link: Link, others: Iterable[Link]) -> Link | None:
-    """Find the first of some ``others`` with the mass and the tensor of a link, to nine digits; None where none has them, or so few
-    digits that chance makes them equal."""
+    """Find the first of some ``others`` with the mass and the tensor of a link, to nine digits; None where none has them, or so
+    few digits that chance makes them equal."""
     declared = model.tensor_by_name[link.name]
     numbers = {declared.inertial.mass, *map(abs, declared.components)} - {None, 0.0}
     if sum(len(f"{number:.16g}".partition("e")[0].replace(".", "").strip("0")) for number in numbers) < _TELLING_DIGITS:

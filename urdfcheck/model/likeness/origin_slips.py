@@ -269,9 +269,10 @@ def _reaches_zero(joint: Joint) -> bool:
 
 
 def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Joint, ...]]]:
-    """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else: a mirror
-    flips one coordinate, and half a turn flips two and turns the frame, unless those of another pair, that flips one, are turned alike. The joints of that pair come third; none where the frames are
-    parallel.
+    """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else.
+
+    A mirror flips one coordinate, and half a turn flips two and turns the frame: so the frames are parallel, or turned like those
+    of another pair which flips one. The joints of that pair come third.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
