@@ -37,6 +37,7 @@ from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUn
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
 from urdfcheck.model.inertials.inertial_hull import (
+    NEGLIGIBLE_SHARE,
     EnclosedInertial,
     enclosed_inertials,
     has_negligible_moment,
@@ -107,14 +108,15 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
     unit = find_tensor_unit(model)
     in_unit: list[tuple[DeclaredTensor, bool]] = []
     for part in [] if is_made_for_display(model) else enclosed_inertials(model):
-        if has_negligible_moment(part.mass, part.moment_share):
+        is_speck = has_negligible_moment(part.mass, part.moment_share)
+        if is_speck and part.moment_share < NEGLIGIBLE_SHARE:
             continue
         declared = model.tensor_by_name[part.link.name]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, the excess must be there in all readings.
         excess, spread, slack = min(
             _compute_excess(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
         )
-        if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf:
+        if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf or (is_speck and excess < VAST):
             continue
         if excess < VAST and (is_stand_in(part) or has_stated_purpose(model, part.link)):
             continue
@@ -124,11 +126,11 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         is_elsewhere = any(
             _fits_elsewhere(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
         )
-        is_vast = excess >= VAST and part.has_own_geometry and not is_elsewhere
+        is_vast = excess >= VAST and part.has_own_geometry and not is_elsewhere and not is_speck
         if unit is not None and not _has_other_unit(model, part.link.name, unit.name):
             in_unit.append((declared, is_vast))
             continue
-        if excess >= VAST and (mass := _find_own_mass(model, part)) is not None:
+        if excess >= VAST and not is_speck and (mass := _find_own_mass(model, part)) is not None:
             yield _build_mass_finding(model, rule, part, mass)
             continue
         advice = _advise(model, part, declared, ratio=ratio, excess=excess)
