@@ -44,6 +44,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     find_wrong_side,
     fit_own_drawings_alike,
     get_comparable_inertial,
+    get_possible_inertial,
     is_tensor_against_drawing,
     limit_to_com,
     list_inertial_changes,
@@ -94,6 +95,8 @@ _MASS_MATRIX = "the mass matrix differs between the two sides"
 _OFF_PLANE = "the COM of the body that holds both is shifted to one side"
 _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal sides"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
+# So many other pairs that agree, and none that does not, show that left and right are made of the same parts (chosen).
+_SAME_PAIRS = 4
 # Joints of limbs are slower (rad/s or m/s): chosen.
 _UNREACHED = 100.0
 # No drive turns a joint so fast (rad/s or m/s), as for JNT007.
@@ -516,7 +519,8 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     share = max(deviation.worst, shares.differ) if is_slip else deviation.worst
     # Without a cause, a few percent are two exports, and sides that nothing shows to be one part may be two.
     is_doubtful = not sides.is_explained and (
-        share < shares.differ or not (sides.are_drawn or sides.is_of_one_part(note))
+        share < shares.differ
+        or not (sides.are_drawn or sides.is_of_one_part(note) or _do_others_agree(model, pair, shares.differ))
     )
     severity = Severity.WARNING if is_slip else shares.choose_severity(share, pair)
     repair = "compare both with the CAD model, and give the wrong one the mirrored numbers of the other"
@@ -539,6 +543,20 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         share=share,
         between=_list_subjects(sides.one, sides.other),
     )
+
+
+def _do_others_agree(model: Model, pair: MirrorPair, threshold: float) -> bool:
+    """Whether all other left and right links of a robot have the same masses and principal moments, and they are so many that its
+    sides are made of the same parts."""
+    count = 0
+    for other in mirror_pairs(model):
+        both = [get_possible_inertial(model.link_by_name[name]) for name in (other.one, other.other)]
+        if {other.one, other.other} & {pair.one, pair.other} or both[0] is None or both[1] is None:
+            continue
+        if not other.is_named or measure_principal_deviation(both[0], both[1]).worst > threshold:
+            return False
+        count += 1
+    return count >= _SAME_PAIRS
 
 
 def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
