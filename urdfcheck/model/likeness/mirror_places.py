@@ -356,7 +356,7 @@ def _describe_diagonal(one: Joint, other: Joint, others: Sequence[Joint]) -> Pla
         "typed": typed,
         "like": like,
         "axes": join_names(letter for letter, differs in zip("xyz", signs, strict=True) if differs),
-        "others": join_names(joint.name for joint in others),
+        "others": " and ".join(joint.name for joint in others),
         "between": _list_subjects((one, other)),
     }
     message = "diagonal_turned" if others else "diagonal"
