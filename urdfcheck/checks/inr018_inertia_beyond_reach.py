@@ -14,7 +14,6 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
-from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import Link
 from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
@@ -61,6 +60,9 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
     reach = measure_reach(model, with_shapes=True)
     if reach is None:
         return
+    # Few models come so far.
+    from urdfcheck.model.motion.fixed_base import list_bolted_links
+
     bolted = list_bolted_links(model)
     for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
         grave: list[_FarLink] = []
