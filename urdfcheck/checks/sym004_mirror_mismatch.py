@@ -665,7 +665,7 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     shared = limits[0].span == limits[1].span
     changes = [
         change_numbers(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
-        for name, value in mismatch.expected.items()
+        for name, value in _list_notable(mismatch, shares).items()
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
@@ -686,6 +686,19 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
+
+
+def _list_notable(mismatch: MismatchedLimit, shares: _Shares) -> dict[str, float]:
+    """List the expected limits that make the difference: where one is far off, those that are off by little stay as they are."""
+    lower, upper = (mismatch.twin.get_limit_value(name) or 0.0 for name in ("lower", "upper"))
+
+    def is_far(name: str, value: float) -> bool:
+        typed = mismatch.joint.get_limit_value(name) or 0.0
+        size = abs(upper - lower) if name in {"lower", "upper"} else max(abs(typed), abs(value))
+        return abs(typed - value) >= shares.differ * size
+
+    far = {name: value for name, value in mismatch.expected.items() if is_far(name, value)}
+    return far or dict(mismatch.expected)
 
 
 def _may_be_in_degrees(joint: Joint) -> bool:

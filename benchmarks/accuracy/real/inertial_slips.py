@@ -233,7 +233,7 @@ def _kind(make: Make, says: str = "", *codes: str, nameless: bool = False, habit
 
 _DECIMAL = r"decimal|ten times|10 times|100 times|\b10\b|\b100\b"
 _PRODUCTS_SIGN = (
-    r"products of inertia (have|with) the (wrong|other) sign|sign of (all |its )?(three )?products|products.*\bsign"
+    r"products of inertia (have|with) the (wrong|other) sign|signs? of (all |its )?(three )?products|products.*\bsign"
 )
 _ORIGIN = r"about the link's origin|about the origin|output coordinate system"
 _POSITIVE = r"positive|output coordinate system|origin, with products of the other sign"

@@ -293,7 +293,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
     if not joint.is_movable:
         # A part is bolted where there is room for it.
         repair = f"if {joint.name} is meant to be placed like the others, {repair}; otherwise say so in a comment"
-    elif attribute is not None:
+    elif attribute is not None and not _may_be_in_degrees(odd):
         edits = edit_all_numbers([(attribute, expected)])
     data = {
         "joint": joint.name,
@@ -312,6 +312,11 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         edits=tuple(edits),
         data=data,
     )
+
+
+def _may_be_in_degrees(odd: OddNumbers) -> bool:
+    """Whether an angle is beyond a turn: JNT012 knows the unit, and the angles of the others may not be its own."""
+    return odd.attribute == "rpy" and max(map(abs, odd.joint.origin.rpy or (0.0,))) > math.tau
 
 
 def _describe_opposed_axes(found: OpposedAxes) -> PlaceMistake:
