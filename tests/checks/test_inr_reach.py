@@ -165,3 +165,13 @@ def test_numbers_that_are_none_are_left_to_other_rules(tmp_path: Path, value: st
     text = make_arm().replace('<origin xyz="0.12 0.004 0"/>', f'<origin xyz="{value} 0 0"/>', 1)
     find_far(tmp_path, text)
     find_far(tmp_path, make_arm().replace('ixx="0.00052"', f'ixx="{value}"', 1))
+
+
+def test_the_spread_along_three_axes_together_is_that_of_a_longer_body(tmp_path: Path) -> None:
+    """A robot of 1.2 m: 0.9 m along each axis is 1.56 m in all, and no body has more than 0.61 of its length."""
+    text = make_arm(links=5).replace(
+        '<mass value="1.3"/><inertia ixx="0.00052" ixy="0" ixz="0" iyy="0.0098" iyz="0" izz="0.0099"/>',
+        '<mass value="1"/><inertia ixx="1.62" ixy="0" ixz="0" iyy="1.62" iyz="0" izz="1.63"/>',
+    )
+    (found,) = [finding for finding in find(tmp_path, text, "INR018") if finding.message_id == "spread"]
+    assert found.severity == Severity.WARNING

@@ -426,3 +426,59 @@ def test_no_copy_is_blamed_that_has_the_numbers_of_another(tmp_path: Path) -> No
         parts.append(link(f"{name}_part", body, visual(mesh("lump.stl"), rpy=rpy), block, extra))
         parts.append(joint(f"{name}_joint", "base", f"{name}_part", kind="continuous", xyz=PLACES[name], axis="0 1 0"))
     assert [f.message_id for f in find(tmp_path, robot(*parts), "SYM003")] == []
+
+
+def make_hidden_arm(side: str, com: str, *, length: float = 0.2, numbers: tuple[float, float] = (1.5, 0.006)) -> str:
+    """A link whose visual mesh cannot be read, and that collides as a cylinder."""
+    mass, moment = numbers
+    shapes = visual(mesh("missing.stl")) + collision(
+        f'<cylinder radius="0.03" length="{length}"/>', xyz=f"0 0 {-length / 2}"
+    )
+    left = 1 if side == "left" else -1
+    return link(f"{side}_arm", inertial(mass, moment, com=com, izz=moment / 2), shapes) + joint(
+        f"{side}_joint", "base", f"{side}_arm", kind="revolute", xyz=f"0 {0.1 * left} 0.3", axis="0 1 0"
+    )
+
+
+@pytest.mark.parametrize(
+    ("com", "length", "found"),
+    [
+        ("0.01 -0.002 -0.08", 0.2, False),
+        ("0.01 0.002 -0.08", 0.2, False),  # mirrored or not: no drawing says
+        ("0.01 -0.002 -0.03", 0.2, True),
+        ("0.01 -0.002 -0.03", 0.25, False),  # another part
+    ],
+)
+def test_coms_of_one_part_that_only_collides_are_as_far_from_both_frames(
+    tmp_path: Path, com: str, length: float, found: bool
+) -> None:
+    text = robot(
+        link("base"), make_hidden_arm("left", "0.01 0.002 -0.08"), make_hidden_arm("right", com, length=length)
+    )
+    findings = [finding for finding in find(tmp_path, text, "SYM004") if finding.message_id == "moments"]
+    assert bool(findings) == found
+    assert all("COMs" in finding.message for finding in findings)
+
+
+@pytest.mark.parametrize(("pairs", "severity"), [(5, Severity.WARNING), (2, Severity.INFO)])
+def test_sides_that_are_alike_but_for_one_pair_are_made_of_one_part_each(
+    tmp_path: Path, pairs: int, severity: Severity
+) -> None:
+    parts = [link("base")]
+    for number in range(pairs):
+        for left in (1, -1):
+            side = "left" if left > 0 else "right"
+            is_odd = number == 0 and left < 0
+            mass, moment = (0.2, 0.0004) if is_odd else (1.5 + number, 0.006)
+            parts += [
+                link(f"{side}_part_{number}", inertial(mass, moment, izz=moment / 2)),
+                joint(
+                    f"{side}_{number}",
+                    "base",
+                    f"{side}_part_{number}",
+                    kind="continuous",
+                    xyz=f"{number} {0.1 * left} 0",
+                ),
+            ]
+    findings = [f for f in find(tmp_path, robot(*parts), "SYM004") if f.message_id == "moments"]
+    assert [finding.severity for finding in findings] == [severity]

@@ -46,7 +46,18 @@ def find_slips(tmp_path: Path, text: str) -> list[Finding]:
         f
         for f in find(tmp_path, text, "SYM004")
         if f.message_id
-        in {"slip", "sign", "reversed", "coincident", "opposed", "steering", "together", "crosswise", "diagonal"}
+        in {
+            "slip",
+            "sign",
+            "reversed",
+            "coincident",
+            "opposed",
+            "steering",
+            "together",
+            "crosswise",
+            "diagonal",
+            "diagonal_turned",
+        }
     ]
 
 
@@ -578,3 +589,43 @@ def test_a_steering_axis_along_another_coordinate_shows_where_another_pair_of_th
             parts.append(joint(f"{side}_drive", f"{side}_holder", f"{side}_wheel", **drive))
     found = find(tmp_path, f'<robot name="r">{"".join(parts)}</robot>', "SYM004")
     assert [f.message_id for f in found if "steering" in f.message] == ["lone"] * count
+
+
+def make_hips(fl: str, *, turn: str = "3.14159265") -> str:
+    """Four hips on one trunk; the frames on the left are rotated by half a turn."""
+    parts = ['<link name="trunk"/>']
+    for side, (front, left) in SIDES.items():
+        xyz = fl if side == "FL" else f"{0.3 * front:g} {0.2 * left:g} 0"
+        parts.append(f'<link name="{side}_hip"/>')
+        rpy = f"0 0 {turn}" if left > 0 else "0 0 0"
+        parts.append(joint(f"{side}_roll", "trunk", f"{side}_hip", LIMIT, kind="revolute", xyz=xyz, rpy=rpy))
+    return f'<robot name="r">{"".join(parts)}</robot>'
+
+
+def test_half_a_turn_that_mirrored_limbs_have_too_explains_no_second_sign(tmp_path: Path) -> None:
+    assert not find(tmp_path, make_hips("0.3 0.2 0"), "SYM004")
+    (finding,) = find(tmp_path, make_hips("-0.3 0.2 0"), "SYM004")
+    assert finding.message_id == "diagonal_turned"
+    assert "HL_roll and HR_roll" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("kind", "right", "found"),
+    [
+        ("fixed", "0 0.1 0.05", True),
+        ("prismatic", "0 0.1 0.05", True),
+        ("fixed", "0 -0.1 0.05", False),
+        ("revolute", "0 0.1 0.05", False),  # the jaws of scissors
+    ],
+)
+def test_a_left_and_a_right_part_are_not_one_inside_the_other(
+    tmp_path: Path, kind: str, right: str, found: bool
+) -> None:
+    limit = '<limit lower="0" upper="0.03" effort="20" velocity="5"/>' if kind != "fixed" else ""
+    parts = [
+        f'<link name="{side}_part">{inertial(1.0, 0.1)}{BOX.format(z=0)}</link>'
+        + joint(f"{side}_joint", "base", f"{side}_part", limit, kind=kind, xyz=xyz)
+        for side, xyz in (("left", "0 0.1 0.05"), ("right", right))
+    ]
+    findings = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
+    assert ("coincident" in [finding.message_id for finding in findings]) == found

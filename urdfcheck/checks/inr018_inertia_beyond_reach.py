@@ -40,6 +40,8 @@ class _FarLink:
 
     link: Link
     distance: float
+    total: float
+    """The distance, or the spread along all three axes together, which is at most 0.61 of a body's length."""
     own: float
     """How far what the file places on the link reaches."""
 
@@ -53,23 +55,28 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
         for whole in model.inertials
         if model.link_by_name[whole.link.name] is whole.link and (pair := _measure_lengths(whole)) is not None
     }
-    if all(max(pair) <= share * least for pair in lengths.values()):
+    if all(max(pair[:2]) <= share * least for pair in lengths.values()):
         return
     reach = measure_reach(model, with_shapes=True)
     if reach is None:
         return
+    # Few models come so far.
+    from urdfcheck.model.motion.fixed_base import list_bolted_links
+
+    bolted = list_bolted_links(model)
     for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
         for name, pair in lengths.items():
             if pair[index] <= share * reach or not _is_unknown(model, name, index, pair[index] / reach):
                 continue
-            far = _FarLink(model.link_by_name[name], pair[index], measure_own_size(model, name))
+            total = pair[2] if index else pair[0]
+            far = _FarLink(model.link_by_name[name], pair[index], total, measure_own_size(model, name))
             # A link whose joints are next to its frame may be a large part all the same.
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
-            elif far.distance > whole * reach or is_beyond_own:
+            elif far.distance > whole * reach or is_beyond_own or (far.total > whole * reach and name not in bolted):
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.
@@ -78,8 +85,8 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
                 yield _build_finding(rule, message, links, unit=unit, reach=reach, severity=severity)
 
 
-def _measure_lengths(declared: CompleteInertial) -> tuple[float, float] | None:
-    """Measure the distance of the COM from the link's frame, and the largest radius of gyration (m)."""
+def _measure_lengths(declared: CompleteInertial) -> tuple[float, float, float] | None:
+    """Measure the distance of the COM from the link's frame, the largest spread along an axis, and that along all three (m)."""
     if not declared.mass > 0:
         return None
     with np.errstate(all="ignore"):
@@ -87,7 +94,8 @@ def _measure_lengths(declared: CompleteInertial) -> tuple[float, float] | None:
         com = float(np.linalg.norm(declared.pose[:3, 3]))
     if not (np.isfinite(covariance).all() and np.isfinite(com)):
         return None
-    return com, max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
+    spread = max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
+    return com, spread, max(0.0, float(np.trace(covariance))) ** 0.5
 
 
 def _describe_typed(message: str, far: _FarLink) -> str | None:

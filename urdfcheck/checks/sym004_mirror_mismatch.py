@@ -19,18 +19,18 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import is_round
-from urdfcheck.facts.inertials.twin_slips import TwinSlip
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_rounding
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     are_alike_when_spun,
     find_wrong_signs,
     measure_principal_deviation,
 )
-from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model import DeclaredTensor, Joint, Link, Model
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
-from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
+from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
-from urdfcheck.model.inertials.inertial_effects import is_chance_decimal
+from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
@@ -44,6 +44,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     find_wrong_side,
     fit_own_drawings_alike,
     get_comparable_inertial,
+    get_possible_inertial,
     is_tensor_against_drawing,
     limit_to_com,
     list_inertial_changes,
@@ -94,6 +95,8 @@ _MASS_MATRIX = "the mass matrix differs between the two sides"
 _OFF_PLANE = "the COM of the body that holds both is shifted to one side"
 _SKEW_TENSOR = "the tensor of the body that holds both is not that of two equal sides"
 _COMPUTE_TENSOR = "take the inertia tensors of both from the CAD model"
+# So many other pairs that agree, and none that does not, show that left and right are made of the same parts (chosen).
+_SAME_PAIRS = 4
 # Joints of limbs are slower (rad/s or m/s): chosen.
 _UNREACHED = 100.0
 # No drive turns a joint so fast (rad/s or m/s), as for JNT007.
@@ -167,13 +170,14 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if _is_explained_by_one_side(model, pair):
             return None
         return _compare_principal_moments(model, rule, pair, shares=shares)
-    if not both[1].deviation.worst > note:
+    is_rounded = _is_rounded(both)
+    if not both[1].deviation.worst > note and not is_rounded:
         return None
     if are_drawn_in_one_place(model, both[0].link, both[1].link):
         return _build_drawing_finding(rule, pair, both[1], shares=shares)
     typed, wrong = _judge_sides(model, pair, both, note=note)
     side, like = (both[1], ()) if wrong is None else wrong
-    if _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
+    if not is_rounded and _may_differ(model, pair, side, note=note, is_decided=wrong is not None):
         return None
     deviation = side.deviation
     why = _explain_difference(model, pair, both, typed=typed, side=side, note=note, is_decided=wrong is not None)
@@ -244,6 +248,14 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     message = "typed" if typed is not None else "like" if like else "inertial"
     remedy = "; ".join(remedies)
     return rule.finding(message, **place, edits=edits, remedy=remedy, like=join_names(like), **data)
+
+
+def _is_rounded(both: Sequence[PairSide]) -> bool:
+    """Whether one side has the other's tensor with too few digits: the smallest moment is off, however little the sum is."""
+    side = both[1]
+    return any(
+        find_rounding(*numbers) is not None for numbers in ((side.actual, side.expected), (side.expected, side.actual))
+    )
 
 
 def _describe_either_repair(
@@ -477,8 +489,8 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     for name in (pair.one, pair.other):
         diagnosed = inertial_diagnoses(model).get(name)
         cause = None if diagnosed is None or not diagnosed.diagnosis.at_fault else diagnosed.diagnosis.cause
-        if diagnosed is not None and is_chance_decimal(model, model.tensor_by_name[name], diagnosed):
-            cause = None  # INR009 reports none either
+        if diagnosed is not None and _is_left_out(model, model.tensor_by_name[name], diagnosed):
+            cause = None
         causes.append(None if cause == UNMIRRORED or (is_mass_off and cause not in _MASS_CAUSES) else cause)
         if diagnosed is not None:
             declared.append(diagnosed.declared)
@@ -490,6 +502,14 @@ def _is_explained_by_one_side(model: Model, pair: MirrorPair) -> bool:
     return before <= _SLIGHT_SPREAD or after < _NEARER * before
 
 
+def _is_left_out(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:
+    """Whether INR009 names no cause: a made-up number is a power of ten off by chance, or the mass is made up."""
+    numbers = judged.declared
+    return is_chance_decimal(model, tensor, judged) or has_unknown_mass(
+        model, tensor.link, numbers.mass, numbers.tensor
+    )
+
+
 def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:
     sides = compare_unrelated_sides(model, pair, threshold=shares.note)
     if sides is None:
@@ -499,7 +519,8 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     share = max(deviation.worst, shares.differ) if is_slip else deviation.worst
     # Without a cause, a few percent are two exports, and sides that nothing shows to be one part may be two.
     is_doubtful = not sides.is_explained and (
-        share < shares.differ or not (sides.are_drawn or sides.is_of_one_part(note))
+        share < shares.differ
+        or not (sides.are_drawn or sides.is_of_one_part(note) or _do_others_agree(model, pair, shares.differ))
     )
     severity = Severity.WARNING if is_slip else shares.choose_severity(share, pair)
     repair = "compare both with the CAD model, and give the wrong one the mirrored numbers of the other"
@@ -522,6 +543,20 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         share=share,
         between=_list_subjects(sides.one, sides.other),
     )
+
+
+def _do_others_agree(model: Model, pair: MirrorPair, threshold: float) -> bool:
+    """Whether all other left and right links of a robot have the same masses and principal moments, and they are so many that its
+    sides are made of the same parts."""
+    count = 0
+    for other in mirror_pairs(model):
+        both = [get_possible_inertial(model.link_by_name[name]) for name in (other.one, other.other)]
+        if {other.one, other.other} & {pair.one, pair.other} or both[0] is None or both[1] is None:
+            continue
+        if not other.is_named or measure_principal_deviation(both[0], both[1]).worst > threshold:
+            return False
+        count += 1
+    return count >= _SAME_PAIRS
 
 
 def _name_unrelated_cause(sides: UnlikeSides) -> str | None:
@@ -630,11 +665,11 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     shared = limits[0].span == limits[1].span
     changes = [
         change_numbers(limits[0].attributes.get(name), name, f"{value + 0.0:.10g}")
-        for name, value in mismatch.expected.items()
+        for name, value in _list_notable(mismatch, shares).items()
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
-    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated
+    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated and not _may_be_in_degrees(joint)
     severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
     return rule.finding(
         message,
@@ -651,6 +686,26 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         remedy=f"reverse the axis of {joint.name}, or {remedy}" if mismatch.is_axis_negated else remedy,
         share=mismatch.max_difference,
     )
+
+
+def _list_notable(mismatch: MismatchedLimit, shares: _Shares) -> dict[str, float]:
+    """List the expected limits that make the difference: where one is far off, those that are off by little stay as they are."""
+    lower, upper = (mismatch.twin.get_limit_value(name) or 0.0 for name in ("lower", "upper"))
+
+    def is_far(name: str, value: float) -> bool:
+        typed = mismatch.joint.get_limit_value(name) or 0.0
+        size = abs(upper - lower) if name in {"lower", "upper"} else max(abs(typed), abs(value))
+        return abs(typed - value) >= shares.differ * size
+
+    far = {name: value for name, value in mismatch.expected.items() if is_far(name, value)}
+    return far or dict(mismatch.expected)
+
+
+def _may_be_in_degrees(joint: Joint) -> bool:
+    """Whether an end of a hinge's range is beyond two turns: JNT006 knows the unit, and the numbers of the twin may not be its
+    own."""
+    ends = (abs(joint.get_limit_value(name) or 0.0) for name in ("lower", "upper"))
+    return joint.type == "revolute" and max(ends) > 2.0 * math.tau
 
 
 def _is_about_placeholders(mismatch: MismatchedLimit) -> bool:

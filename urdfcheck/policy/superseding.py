@@ -12,6 +12,8 @@ from urdfcheck.policy.consumers import SIMULATOR, get_verdict
 # `link[wheel]` of `link[wheel]/inertial/inertia@izz`, whatever the name contains.
 _ELEMENT = re.compile(r"[^/@\[]*\[.*?\](?=[/@]|$)", re.DOTALL)
 
+# The message of other rules for what a counterpart shows.
+_OF_TWIN = "twin"
 # Stands for all elements in what a finding explains.
 WHOLE_RULE = "*"
 
@@ -21,10 +23,11 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
 
     The stronger finding lists the dropped codes in its data (``hides``). A finding is dropped if all elements of its subjects
     belong to stronger findings. A finding about a difference, which names one element in its subjects and all in its data
-    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``) is not dropped for a
-    note on request that is less severe: most reports leave that out. A finding that is the cause of others names them in its data
-    (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say; these are dropped too. A
-    finding that takes the place of the one for which the model could not be checked is the cause in its stead.
+    (``between``), is dropped if one of these does. What counterparts show (a rule with the tag ``symmetry``, a message ``twin``)
+    is not dropped for a note on request that is less severe: most reports leave that out. A finding that is the cause of others
+    names them in its data (``explains``: ``JNT007 joint[knee]``, or ``JNT007 *`` for all of a rule), whatever their pages say;
+    these are dropped too. A finding that takes the place of the one for which the model could not be checked is the cause in
+    its stead.
     """
     findings = list(findings)
     index_by_element: dict[tuple[str, str], int] = {}
@@ -42,7 +45,7 @@ def drop_superseded(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> l
     for index, finding in enumerate(findings):
         rule = rules.get(finding.code)
         stronger = rule.hidden_by if rule is not None and finding.message_id not in rule.never_hidden else ()
-        is_compared = rule is not None and "symmetry" in rule.tags
+        is_compared = rule is not None and ("symmetry" in rule.tags or finding.message_id == _OF_TWIN)
         elements = set(map(_get_element, finding.subjects))
         between = set(map(_get_element, finding.data.get("between", ())))
         superseding = {

@@ -20,6 +20,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
+from urdfcheck.model.tree import Tree
 
 # A part whose numbers are so near to those of its drawing at uniform density (`scoring.effect`, without the mass) shows a defect
 # that takes it so much further away, and beyond where 99 % of the sound parts are that have up to 60 % of their mass in lumps.
@@ -47,6 +48,8 @@ _TOKEN = 0.1
 # Shorter origins (m) are zero.
 _NO_LENGTH = 1e-6
 _SCENE = re.compile(r"(?i)world|map|odom")
+# To what is fixed to a link of this name simulators give no freedom.
+_WORLD = "world"
 # So many other joints say what a robot's joints are like.
 _LEAST_JOINTS = 3
 
@@ -61,9 +64,9 @@ def find_inertial_evidence(part: Part, new: Numbers, *, with_meshes: bool, share
     old = part.numbers
     assert old is not None
     found = set()
-    if _is_impossible(new) and not _is_impossible(old):
+    if _is_impossible(new) and not _is_impossible(old) and not _is_point_of_body(part, new):
         found.add("impossible")
-    if _is_base_of_limb(part):
+    if _is_base_of_limb(part) or _is_fixed_to_world(part):
         return found
     reach = measure_reach(part.owner)
     if _has_telling_joints(part) and max(_size(new)) > _REACH * reach >= max(_size(old)):
@@ -88,6 +91,31 @@ def _is_base_of_limb(part: Part) -> bool:
         return part.link.name in body and len(limbs) == 1 < sum(joint.is_movable for joint in model.joints)
     except FactUnavailableError:
         return False
+
+
+def _is_fixed_to_world(part: Part) -> bool:
+    """Whether a link is part of a body that is fixed to ``world``: it cannot move, and nothing depends on its inertia."""
+    tree = _get_tree(part)
+    return tree is not None and tree.root == _WORLD and part.link.name in tree.list_body_links(_WORLD)
+
+
+def _is_point_of_body(part: Part, new: Numbers) -> bool:
+    """Whether a link is a point mass that is fixed to links with a tensor: a body can have a mass in one point."""
+    tree = _get_tree(part)
+    if tree is None or new.six.any() or not new.mass > 0:
+        return False
+    body = set(tree.list_body_links(part.link.name)) - {part.link.name}
+    return any(
+        other.link.name in body and other.numbers is not None and other.numbers.six.any() for other in part.owner.parts
+    )
+
+
+def _get_tree(part: Part) -> Tree | None:
+    """Return the tree of the robot; None where it is broken."""
+    try:
+        return part.owner.model.tree
+    except FactUnavailableError:
+        return None
 
 
 def _has_telling_joints(part: Part) -> bool:
@@ -136,6 +164,8 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
             row += other.parent == joint.parent and _strip(other.name) == _strip(joint.name)
     if sides or row >= 2:
         found.add("twin")
+    if len(new) == 3 and new.any() and row < 2 and _makes_images(part, old, new):
+        found.discard("twin")
     # One or two other joints do not say how large a robot is.
     known = sum(length > _NO_LENGTH for length in lengths) >= _LEAST_JOINTS
     if (
@@ -147,6 +177,32 @@ def find_joint_evidence(part: Part, old: Array, new: Array, shared: Collection[s
     ):
         found.add("reach")
     return found
+
+
+def _makes_images(part: Part, old: Array, new: Array) -> bool:
+    """Whether a joint that had the origin of its counterpart, on the same link, now has the one with one other sign: a left and a
+    right part look like that."""
+    joint = part.joint
+    assert joint is not None
+    is_sign = np.allclose(np.abs(old), np.abs(new)) and int((~np.isclose(old, new)).sum()) == 1
+    return is_sign and any(
+        other.parent == joint.parent
+        and _is_other_side(other.name, joint.name)
+        and np.allclose(other.origin.xyz or (0, 0, 0), old)
+        for other in part.owner.model.joints
+        if other is not joint
+    )
+
+
+def is_zero_of_hinge(part: Part, rpy: Sequence[float]) -> bool:
+    """Whether a joint without limits is rotated about its own axis: its zero is elsewhere, and no number depends on that."""
+    joint = part.joint
+    assert joint is not None
+    if joint.type != "continuous" or joint.axis is None or joint.origin.matrix is None:
+        return False
+    away = rotation_of(np.array(rpy)) @ joint.origin.matrix[:3, :3].T
+    axis = joint.origin.matrix[:3, :3] @ np.array(joint.axis)
+    return bool(np.allclose(away @ axis, axis, atol=1e-6 * float(np.linalg.norm(axis))))
 
 
 def find_reversal_evidence(part: Part, shared: Collection[str] = ()) -> set[str]:
@@ -236,7 +292,8 @@ def _list_sizes(part: Part) -> list[tuple[str, tuple[float, ...]]]:
 
 
 def measure_reach(read: ReadRobot) -> float:
-    """Return the length of the whole robot (m): all joints' distances, and the largest thing drawn by a primitive or a COM."""
+    """Return the length of the whole robot (m): all joints' distances, how far they slide, and the largest thing drawn by a
+    primitive or a COM."""
     lengths = [float(np.linalg.norm(joint.origin.xyz or (0, 0, 0))) for joint in read.model.joints]
     sizes = [
         float(np.abs(values).max())
@@ -246,8 +303,13 @@ def measure_reach(read: ReadRobot) -> float:
         if (values := read_numbers(shape.geometry_element, name)) is not None and len(values)
     ]
     coms = [max(_size(part.numbers)) for part in read.parts if part.numbers is not None]
+    travels = [
+        max(abs(joint.get_limit_value(name) or 0.0) for name in ("lower", "upper"))
+        for joint in read.model.joints
+        if joint.type == "prismatic"
+    ]
     # One part with wrong numbers of its own does not stretch the robot.
-    return sum(lengths) + max([*sizes, float(np.median(coms)) if coms else 0.0, 0.05])
+    return sum(lengths) + sum(travels) + max([*sizes, float(np.median(coms)) if coms else 0.0, 0.05])
 
 
 def _is_impossible(n: Numbers) -> bool:

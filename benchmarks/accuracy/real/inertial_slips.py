@@ -32,6 +32,7 @@ def mass_unit(part: Part, rng: Rng) -> Broken | None:
     """The mass in grams or pounds."""
     unit = str(rng.choice(list(MASS_UNITS)))
     words = r"\b(in g\b|grams)|in g:|unit of the mass: g\b" if unit == "g" else r"\b(lb|pounds)\b"
+    words += rf"|with a mass of {_numbers(part).mass:.3g} kg"  # or the true mass
     return _named(part, lambda n: replace(n, mass=n.mass * MASS_UNITS[unit]), words)
 
 
@@ -169,6 +170,8 @@ def copied(part: Part, rng: Rng) -> list[Change] | None:
 def placeholder(part: Part, rng: Rng) -> list[Change] | None:
     """1, 0.1, 0.01 or 0.001 on the diagonal, the products zero."""
     value = float(rng.choice((1.0, 0.1, 0.01, 0.001)))
+    if np.array_equal(np.round(_numbers(part).six / value), (1, 0, 0, 1, 0, 1)):
+        return None  # nothing tells it from the true numbers, rounded
     return _changed(part, lambda n: replace(n, six=value * np.array((1.0, 0, 0, 1, 0, 1))))
 
 
@@ -230,7 +233,7 @@ def _kind(make: Make, says: str = "", *codes: str, nameless: bool = False, habit
 
 _DECIMAL = r"decimal|ten times|10 times|100 times|\b10\b|\b100\b"
 _PRODUCTS_SIGN = (
-    r"products of inertia (have|with) the (wrong|other) sign|sign of (all |its )?(three )?products|products.*\bsign"
+    r"products of inertia (have|with) the (wrong|other) sign|signs? of (all |its )?(three )?products|products.*\bsign"
 )
 _ORIGIN = r"about the link's origin|about the origin|output coordinate system"
 _POSITIVE = r"positive|output coordinate system|origin, with products of the other sign"

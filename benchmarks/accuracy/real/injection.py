@@ -21,6 +21,7 @@ from real.evidence import (
     find_shape_evidence,
     find_size_evidence,
     find_zero_evidence,
+    is_zero_of_hinge,
 )
 from real.kinds import Broken, Kind
 from real.robots import RealRobot, check_robot
@@ -302,6 +303,8 @@ def _find_evidence(stage: _Stage, kind: Kind, part: Part, broken: Broken) -> set
         assert part.joint is not None
         old = read_numbers(part.joint.element.find_child("origin"), "xyz")
         is_place = kind.make.__name__.startswith("joint_xyz")
+        if kind.make.__name__ == "joint_rpy_off" and is_zero_of_hinge(part, new):
+            return set()
         return find_joint_evidence(part, np.zeros(3) if old is None else old, new if is_place else np.zeros(3), shared)
     if kind.make.__name__ in ("limits_mirrored", "effort_tiny", "mimic_multiplier"):
         return find_joint_evidence(part, np.zeros(3), np.zeros(3), shared)

@@ -118,12 +118,15 @@ def judge(
 
 
 def _is_true_of_sound(sound: ReadRobot, finding: Finding, subjects: Iterable[str]) -> bool:
-    """Whether the named cause is a COM of 0 0 0 that the robot had before: the defect only made it show."""
-    if finding.cause is None or finding.cause.id != "com_missing":
+    """Whether the named cause is a COM of 0 0 0, or a typed multiple of the identity, that the robot had before: the defect only
+    made it show."""
+    if finding.cause is None or finding.cause.id not in {"com_missing", "placeholder"}:
         return False
-    coms = {f"link[{part.link.name}]": part.numbers.com for part in sound.parts if part.numbers is not None}
-    named = [com for subject in subjects for label, com in coms.items() if subject.startswith(label)]
-    return bool(named) and not np.any(named)
+    known = {f"link[{part.link.name}]": part.numbers for part in sound.parts if part.numbers is not None}
+    named = [numbers for subject in subjects for label, numbers in known.items() if subject.startswith(label)]
+    if finding.cause.id == "com_missing":
+        return bool(named) and not any(numbers.com.any() for numbers in named)
+    return bool(named) and all(np.array_equal(n.six, n.six[0] * np.array((1, 0, 0, 1, 0, 1))) for n in named)
 
 
 def describe(finding: Finding) -> str:

@@ -33,7 +33,7 @@ from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_in
 from urdfcheck.model.likeness.mirror_pairs import MUCH_BETTER, MirrorPair, list_alike_links_elsewhere, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.parts import TENSOR_NAMES, Link
+from urdfcheck.model.parts import TENSOR_NAMES, DeclaredTensor, Link
 from urdfcheck.model.repairs.edits import AttributeChange
 from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.rigid_bodies import is_point_mass
@@ -66,8 +66,9 @@ _OFF_ALIKE = 0.005
 _CLEAR_PRODUCT = 0.05
 # Mistakes that change the COM and the tensor.
 _OF_ALL_LENGTHS = frozenset({"units", "mesh_scale"})
-# Mass and moments of so many digits in all are not twice in a file by chance.
-_TELLING_DIGITS = 6
+# Mass and moments of so many digits in all are not twice in a file by chance; a program that copies them may write fewer than the
+# 16 that there are.
+_TELLING_DIGITS, _COPIED_DIGITS = 6, 9
 # This many like parts elsewhere that agree with one side, and none with the other, decide which one is wrong.
 VOTES = 2
 
@@ -317,9 +318,10 @@ def find_cause(pair: MirrorPair, side: PairSide, threshold: float) -> str | None
     """
     if side.deviation.mass > threshold:
         return None
-    if any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
+    is_off = side.deviation.worst > threshold  # else only digits may be missing
+    if is_off and any(_is_derived_from(side, copy, threshold) for copy in side.disallowed):
         return "copied"
-    if pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
+    if is_off and pair.drawn_as == "copied" and _is_derived_from(side, side.image, threshold):
         return "mirrored"
     if find_rounding(side.actual, side.expected) or find_rounding(side.expected, side.actual):
         return "rounded"
@@ -367,7 +369,7 @@ def find_side_slip(both: Sequence[PairSide], threshold: float) -> TwinSlip | Non
 
 
 def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] | None:
-    """Find the side whose mass and tensor are those of a link that is no counterpart of either, digit for digit, and that link;
+    """Find the side whose mass and tensor are those of a link that is no counterpart of either, to nine digits, and that link;
     None where neither side or both have such numbers."""
     found: list[tuple[Link, Link]] = []
     for side in (one, other):
@@ -378,20 +380,24 @@ def find_copied_side(model: Model, one: Link, other: Link) -> tuple[Link, Link] 
 
 
 def find_same_numbers(model: Model, link: Link, others: Iterable[Link]) -> Link | None:
-    """Find the first of some ``others`` with the mass and the tensor of a link, digit for digit; None where none has them, or so
+    """Find the first of some ``others`` with the mass and the tensor of a link, to nine digits; None where none has them, or so
     few digits that chance makes them equal."""
     declared = model.tensor_by_name[link.name]
     numbers = {declared.inertial.mass, *map(abs, declared.components)} - {None, 0.0}
     if sum(len(f"{number:.16g}".partition("e")[0].replace(".", "").strip("0")) for number in numbers) < _TELLING_DIGITS:
         return None
+    typed = _round_typed_numbers(declared)
     for other in others:
         known = model.tensor_by_name.get(other.name)
-        if known is not None and (known.inertial.mass, known.components) == (
-            declared.inertial.mass,
-            declared.components,
-        ):
+        if known is not None and known.inertial.mass is not None and _round_typed_numbers(known) == typed:
             return other
     return None
+
+
+def _round_typed_numbers(declared: DeclaredTensor) -> tuple[str, ...]:
+    """Return mass and tensor with as many digits as a program writes that copies them."""
+    numbers = (declared.inertial.mass or 0.0, *declared.components)
+    return tuple(f"{number + 0.0:.{_COPIED_DIGITS}g}" for number in numbers)
 
 
 def find_contradicted_links(model: Model, threshold: float = 0.01) -> frozenset[str]:

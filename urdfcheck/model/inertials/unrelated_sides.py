@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_slip_between_twins
 from urdfcheck.facts.likeness.mirror import InertialDeviation, measure_principal_deviation
 from urdfcheck.model.inertials.mirrored_inertials import (
+    COPIED,
     find_copied_side,
     find_typed_side,
     fit_own_drawings_alike,
@@ -22,7 +24,10 @@ from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
+# Solids are one part, and in one place of two frames, to within this share of a volume or a length.
+_SAME_SOLID = 0.01
 # A COM is away from the frame from this share of the radius of gyration on (chosen).
 _FAR_COM = 0.1
 # By how many places a decimal point slips to do the same as these units.
@@ -82,7 +87,7 @@ class UnlikeSides:
         differences = []
         if self.deviation.mass > threshold:
             differences.append(f"masses of {first.mass:.4g} and {second.mass:.4g} kg")
-        if self.deviation.spread > threshold:
+        if self.deviation.spread > threshold or (self.slip is not None and self.slip.mistake.id == "rounded"):
             moments = _format_principal_moments(first), _format_principal_moments(second)
             differences.append(f"principal moments of ({moments[0]}) and ({moments[1]}) kg·m²")
         if not differences:
@@ -99,20 +104,29 @@ def compare_unrelated_sides(model: Model, pair: MirrorPair, *, threshold: float)
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    if pair.drawn_as not in {None, "neither"} or not pair.is_named or pair.is_alike is False:
+    if pair.drawn_as not in {None, "neither"} or not pair.is_named:
         return None
     one, other = (model.link_by_name[name] for name in (pair.one, pair.other))
     first, second = get_possible_inertial(one), get_possible_inertial(other)
     if first is None or second is None:
         return None
     deviation, slip = measure_principal_deviation(second, first), find_slip_between_twins(first, second)
-    lost = _find_lost_com((first, second)) if pair.is_in_place and deviation.worst <= threshold else None
+    is_one_part = pair.is_in_place and deviation.worst <= threshold
+    lost = _find_lost_com((first, second)) if is_one_part else None
+    if pair.is_alike is False:
+        # Two parts may have any numbers; those of one part were copied, and then without the COM.
+        if lost is None or deviation.worst > COPIED or _is_drawn_about_frame(model, (one, other)[lost]):
+            return None
+        slip = None
+    if is_one_part and slip is None and lost is None and _are_at_one_point(model, one, other):
+        deviation = replace(deviation, com_offset=_measure_com_gap(first, second))
     is_unlike = deviation.worst > threshold or lost is not None
     copied = find_copied_side(model, one, other) if slip is None and is_unlike else None
     is_comparable = pair.is_in_place or copied is not None
     if slip is None and not (is_comparable and is_unlike and _carry_alike(model, one, other)):
         return None
-    if slip is None and lost is None and fit_own_drawings_alike(model, one, other, threshold=threshold):
+    is_of_com = lost is not None or deviation.com_offset > threshold
+    if slip is None and not is_of_com and fit_own_drawings_alike(model, one, other, threshold=threshold):
         return None
     return UnlikeSides(
         one=one,
@@ -143,6 +157,38 @@ def _find_lost_com(numbers: tuple[DeclaredInertial, DeclaredInertial]) -> int | 
     far = numbers[is_zero[0]]
     radius = math.sqrt(float(np.trace(far.inertia)) / (2.0 * far.mass))
     return is_zero.index(True) if float(np.linalg.norm(far.com)) > _FAR_COM * radius else None
+
+
+def _is_drawn_about_frame(model: Model, link: Link) -> bool:
+    """Whether what a link draws has its COM at the link's origin, or is not known."""
+    drawn = measure_link_geometry(model, link)
+    if drawn is None:
+        return True
+    radius = math.sqrt(max(0.0, float(np.trace(drawn.solid.covariance))))
+    return float(np.linalg.norm(drawn.solid.com)) <= _FAR_COM * radius
+
+
+def _are_at_one_point(model: Model, one: Link, other: Link) -> bool:
+    """Whether two links show one solid, as far from both frames: the shapes that are known show it, if only those that collide.
+
+    Then the COMs are as far from the frames, too, however the frames are turned or mirrored.
+    """
+    drawn = [measure_link_geometry(model, link) for link in (one, other)]
+    if drawn[0] is None or drawn[1] is None:
+        return False
+    solids = [each.solid for each in drawn if each is not None]
+    size = math.sqrt(max(0.0, float(np.trace(solids[0].covariance))))
+    spreads = [np.sqrt(np.maximum(np.linalg.eigvalsh(solid.covariance), 0.0)) for solid in solids]
+    distances = [float(np.linalg.norm(solid.com)) for solid in solids]
+    is_one_solid = math.isclose(solids[0].volume, solids[1].volume, rel_tol=_SAME_SOLID)
+    is_one_solid &= float(np.abs(spreads[0] - spreads[1]).max()) <= _SAME_SOLID * size
+    return is_one_solid and abs(distances[0] - distances[1]) <= _SAME_SOLID * size
+
+
+def _measure_com_gap(first: DeclaredInertial, second: DeclaredInertial) -> float:
+    """Measure by how much more one COM is away from its frame than the other, as a share of the radius of gyration."""
+    radius = math.sqrt(float(np.trace(first.inertia)) / (2.0 * first.mass))
+    return abs(float(np.linalg.norm(first.com)) - float(np.linalg.norm(second.com))) / radius
 
 
 def _carry_alike(model: Model, one: Link, other: Link) -> bool:

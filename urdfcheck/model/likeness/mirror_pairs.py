@@ -37,6 +37,8 @@ NORMALS = tuple(np.eye(3)[[1, 0, 2]])
 MUCH_BETTER = 3.0
 # Axes are parallel within 1° (cosine), and so many pairs that are not along them show another plane.
 _PARALLEL, _MIN_FIRM = 0.99985, 2
+# A plane is across an axis if the places of two parts are mirror images to within this share of their distance (chosen: 20°).
+_TILTED = 0.35
 # Mismatches below this are what products of rotation matrices leave.
 _ROUNDING = 1e-9
 # More joints of one kind than this that no name distinguishes are a chain or a ring, without left and right.
@@ -221,7 +223,13 @@ def _fit_mirror_plane(
     known = [(a, b) for a, b in drawn if a is not None and b is not None]
     if not known:
         return None
-    return find_mirror_plane([a for a, _ in known], [b for _, b in known], normals=normals, tolerance=PLACE)
+    ones, others = (np.array([places[side] for places in known]) for side in (0, 1))
+    found = find_mirror_plane(ones, others, normals=normals, tolerance=PLACE)
+    if found is None or len(known) > 1 or any(found[0].normal is normal for normal in normals):
+        return found
+    # A single pair has a plane whatever it is like: that of two parts of which one is tilted is beside an axis.
+    across = find_mirror_plane(ones, others, normals=normals, tolerance=_TILTED * float(np.linalg.norm(ones - others)))
+    return across if across is not None and any(across[0].normal is normal for normal in normals) else found
 
 
 def _fit_some_pairs(

@@ -105,8 +105,8 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
             yield _describe_slip(slip)
     for one, other in iter_coincident_twins(model):
         yield _describe_coincidence(one, other)
-    for one, other in iter_diagonal_twins(model):
-        yield _describe_diagonal(one, other)
+    for one, other, like in iter_diagonal_twins(model):
+        yield _describe_diagonal(one, other, like)
     yield from map(_describe_opposed_axes, iter_opposed_axes(model, pairs))
     yield from map(_describe_lone_turn, iter_lone_turns(model, pairs))
     for pair in pairs:
@@ -293,7 +293,7 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
     if not joint.is_movable:
         # A part is bolted where there is room for it.
         repair = f"if {joint.name} is meant to be placed like the others, {repair}; otherwise say so in a comment"
-    elif attribute is not None:
+    elif attribute is not None and not _may_be_in_degrees(odd):
         edits = edit_all_numbers([(attribute, expected)])
     data = {
         "joint": joint.name,
@@ -312,6 +312,11 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         edits=tuple(edits),
         data=data,
     )
+
+
+def _may_be_in_degrees(odd: OddNumbers) -> bool:
+    """Whether an angle is beyond a turn: JNT012 knows the unit, and the angles of the others may not be its own."""
+    return odd.attribute == "rpy" and max(map(abs, odd.joint.origin.rpy or (0.0,))) > math.tau
 
 
 def _describe_opposed_axes(found: OpposedAxes) -> PlaceMistake:
@@ -343,7 +348,7 @@ def _describe_coincidence(one: Joint, other: Joint) -> PlaceMistake:
     return PlaceMistake(message="coincident", joints=(one, other), at=at, related=(related,), data=data)
 
 
-def _describe_diagonal(one: Joint, other: Joint) -> PlaceMistake:
+def _describe_diagonal(one: Joint, other: Joint, others: Sequence[Joint]) -> PlaceMistake:
     (at, typed), (related, like) = (
         (locate_origin_attribute(joint, "xyz"), format_point(joint.origin.xyz or (0.0, 0.0, 0.0), decimals=6))
         for joint in (other, one)
@@ -356,9 +361,11 @@ def _describe_diagonal(one: Joint, other: Joint) -> PlaceMistake:
         "typed": typed,
         "like": like,
         "axes": join_names(letter for letter, differs in zip("xyz", signs, strict=True) if differs),
+        "others": " and ".join(joint.name for joint in others),
         "between": _list_subjects((one, other)),
     }
-    return PlaceMistake(message="diagonal", joints=(other, one), at=at, related=(related,), data=data)
+    message = "diagonal_turned" if others else "diagonal"
+    return PlaceMistake(message=message, joints=(other, one), at=at, related=(related,), data=data)
 
 
 def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:

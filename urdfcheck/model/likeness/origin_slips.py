@@ -221,9 +221,10 @@ def _name_slip(typed: Array, expected: Array) -> str | None:
 
 
 def iter_coincident_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
-    """Yield wheels and the like, on continuous joints, in one place, away from the frame of the link on which both hang.
+    """Yield wheels and the like in one place, away from the frame of the link on which both hang.
 
-    Their links' names differ in places (left, front) or numbers only. The jaws of scissors share a hinge, which has limits.
+    On continuous joints their links' names differ in places (left, front) or numbers only. The jaws of scissors share a hinge,
+    which has limits. What slides or is fixed is a left and a right part.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -231,32 +232,72 @@ def iter_coincident_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
     groups: dict[object, list[Joint]] = {}
     for name in tree.order[1:]:
         joint = tree.parent_joint[name]
-        xyz = joint.origin.xyz
-        if joint.type == "continuous" and joint.mimic is None and xyz is not None and max(map(abs, xyz)) > _LEAST:
+        if joint.type == "continuous" and joint.mimic is None and _is_away(joint):
             groups.setdefault((joint.parent, _strip_place(name)), []).append(joint)
-    for group in groups.values():
-        for one, other in combinations(group, 2):
-            apart = frames[one.child] - frames[other.child]
-            if np.abs(apart[:3, 3]).max() < 1e-6 and _is_one_body(model, one.child, other.child):
-                yield one, other
+    pairs = [pair for group in groups.values() for pair in combinations(group, 2)]
+    for one, other in (*pairs, *_list_still_pairs(model)):
+        apart = frames[one.child] - frames[other.child]
+        if np.abs(apart[:3, 3]).max() < 1e-6 and _is_one_body(model, one.child, other.child):
+            yield one, other
 
 
-def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint]]:
-    """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else: a mirror
-    flips one coordinate, and half a turn flips two and turns the frame.
+def _list_still_pairs(model: Model) -> Iterator[tuple[Joint, Joint]]:
+    """List the left and right joints on one link that are fixed, or that slide from where they are at zero.
+
+    Parts whose frames are at one place may be drawn, and have their COMs, on both sides of it: where what they draw is not known,
+    their COMs are away from the frames.
+    """
+    for names in list_named_pairs(model):
+        one, other = (model.tree.parent_joint.get(name) for name in names)
+        if one is None or other is None or (one.parent, one.type) != (other.parent, other.type) or not _is_away(one):
+            continue
+        is_known = get_outline(model, one.child) is not None
+        bodies = [read_declared_inertial(model.link_by_name[name]) for name in names]
+        is_known |= all(body is not None and bool(np.abs(body.com).max() > _LEAST) for body in bodies)
+        if is_known and (one.type == "fixed" or (one.type == "prismatic" and all(map(_reaches_zero, (one, other))))):
+            yield one, other
+
+
+def _is_away(joint: Joint) -> bool:
+    """Whether a joint is not at the frame of its parent."""
+    return joint.origin.xyz is not None and max(map(abs, joint.origin.xyz)) > _LEAST
+
+
+def _reaches_zero(joint: Joint) -> bool:
+    lower, upper = joint.get_limit_value("lower") or 0.0, joint.get_limit_value("upper") or 0.0
+    return lower <= 0.0 <= upper
+
+
+def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Joint, ...]]]:
+    """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else.
+
+    A mirror flips one coordinate, and half a turn flips two and turns the frame: so the frames are parallel, or turned like those
+    of another pair which flips one. The joints of that pair come third.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
+    pairs = []
     for names in list_named_pairs(model):
         one, other = (model.tree.parent_joint.get(name) for name in names)
         if one is None or other is None or not one.is_movable or (one.parent, one.type) != (other.parent, other.type):
             continue
         first, second = (np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in (one, other))
         flipped = (np.abs(first) > _LEAST) & (first * second < 0.0)
-        is_same = bool(np.abs(np.abs(first) - np.abs(second)).max() <= PLACE)
-        turned = np.abs(model.frames[one.child][:3, :3] - model.frames[other.child][:3, :3]).max()
-        if is_same and int(flipped.sum()) == 2 and turned < _PARALLEL:
-            yield one, other
+        if bool(np.abs(np.abs(first) - np.abs(second)).max() <= PLACE):
+            turn = model.frames[one.child][:3, :3].T @ model.frames[other.child][:3, :3]
+            pairs.append((one, other, int(flipped.sum()), turn))
+    for one, other, count, turn in pairs:
+        is_parallel = np.abs(turn - np.eye(3)).max() < _PARALLEL
+        shown = () if is_parallel else next((known[:2] for known in pairs if _shows_turn(known, one, turn)), ())
+        if count == 2 and (is_parallel or shown):
+            yield one, other, shown
+
+
+def _shows_turn(pair: tuple[Joint, Joint, int, Array], joint: Joint, turn: Array) -> bool:
+    """Whether a pair of the same limbs on the same link is turned alike, and has one coordinate with another sign."""
+    one, _, count, known = pair
+    is_like = (one.parent, one.type, _strip_place(one.child)) == (joint.parent, joint.type, _strip_place(joint.child))
+    return is_like and count == 1 and bool(np.abs(known - turn).max() < _PARALLEL)
 
 
 def _strip_place(name: str) -> tuple[str, ...]:

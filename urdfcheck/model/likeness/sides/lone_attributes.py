@@ -90,14 +90,24 @@ def _find_lone_bolted(model: Model) -> Iterator[LoneAttribute]:
 
 
 def _find_lone_moving_place(model: Model) -> Iterator[LoneAttribute]:
-    """Yield the only two joints that move whose places differ in more than signs, as typed."""
-    pairs = _list_pairs(model)
+    """Yield the only two joints that move, or that are fixed between those of two limbs, whose places differ in more than signs,
+    as typed."""
+    pairs = [pair for pair in _list_joints_of_pairs(model) if pair[0].has_axis or _is_in_limb(model, pair)]
     odd = [pair for pair in pairs if not _agree(pair, "xyz")]
     if len(odd) != 1 or len(pairs) <= _FIXED_WITNESSES or is_alike(model, odd[0][0].child, odd[0][1].child) is False:
         return
     one, other = odd[0]
     if _agree(odd[0], "axis") and _is_displaced(model, odd[0], pairs) and not is_taken_back(model, other, one):
         yield LoneAttribute(joint=other, twin=one, attribute="xyz", witnesses=len(pairs) - 1)
+
+
+def _is_in_limb(model: Model, pair: tuple[Joint, Joint]) -> bool:
+    """Whether two fixed joints hang on the links of two limbs, and other joints move behind both: no sensor or cover is there."""
+    ways = [
+        [one for one in model.joints if one.is_movable and joint in model.tree.find_path_to(one.parent)]
+        for joint in pair
+    ]
+    return pair[0].parent != pair[1].parent and all(ways)
 
 
 def _is_displaced(model: Model, pair: tuple[Joint, Joint], all_pairs: Sequence[tuple[Joint, Joint]]) -> bool:

@@ -186,7 +186,17 @@ def _moves_axis(model: Model, pair: _Pair) -> bool:
     axis = model.axes.get(pair.other.name)
     if axis is None:
         return not pair.other.is_movable
+    if _is_mirrored_but_for_a_point(pair) and _carries_alike(model, pair):
+        return True
     return float(np.linalg.norm(shift - axis * float(shift @ axis))) > PLACE
+
+
+def _carries_alike(model: Model, pair: _Pair) -> bool:
+    """Whether other joints hang on both, and all are typed alike apart from signs: then none takes back where the frame is."""
+    behind = [[joint.origin.xyz for joint in model.tree.child_joints[one.child]] for one in (pair.one, pair.other)]
+    if len(behind[0]) != len(behind[1]) or not behind[0] or None in behind[0] + behind[1]:
+        return False
+    return bool(np.abs(np.abs(np.array(behind[0])) - np.abs(np.array(behind[1]))).max() <= _SAME)
 
 
 def _make_slip(pair: _Pair) -> OriginSlip:
