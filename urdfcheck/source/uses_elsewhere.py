@@ -222,8 +222,13 @@ def is_certainly_left_aside(source: Source) -> bool:
 
 def name_other_models_only(texts: Iterable[str], own: str) -> bool:
     """Whether texts name files of models, and not the ``own`` one."""
-    named = {name for text in texts for name in MODEL_FILE.findall(text)}
-    return bool(named) and own not in named
+    names_any = False
+    for text in texts:
+        named = MODEL_FILE.findall(text)
+        if own in named:
+            return False
+        names_any |= bool(named)
+    return names_any
 
 
 def is_kept_output(source: Source) -> bool:

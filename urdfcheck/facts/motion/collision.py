@@ -94,7 +94,6 @@ class Colliders:
         self._count = np.bincount(self._owner)
         known = np.where(self._radius > 0, self._radius, 1.0)
         self._units = 2.0 ** (_UNIT_STEP * np.round(np.log2(known) / _UNIT_STEP))
-        self._geometries: dict[tuple[int, float], Any] = {}
         self._functions: dict[tuple[int, int], Any] = {}
         self._request = coal.CollisionRequest()
         # Without contacts coal 3.0.3 misses some shapes that lie deep in others, with their axes in line.
@@ -387,10 +386,9 @@ class Colliders:
     def _get_coal_geometry(self, shape: int, unit: float) -> Any:
         """Return coal's geometry of a shape in ``unit`` (m), the same for all that share a `CollisionGeometry`."""
         geometry = self.placed[shape].geometry
-        key = (id(geometry), unit)
-        if key not in self._geometries:
-            self._geometries[key] = self._build_coal_geometry(geometry, unit)
-        return self._geometries[key]
+        if unit not in geometry.coal_shapes:
+            geometry.coal_shapes[unit] = self._build_coal_geometry(geometry, unit)
+        return geometry.coal_shapes[unit]
 
     def _build_coal_geometry(self, geometry: CollisionGeometry, unit: float) -> Any:
         coal, size = self._coal, [s / unit for s in geometry.size]

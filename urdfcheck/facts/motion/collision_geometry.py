@@ -7,8 +7,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import field
 from itertools import product
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -44,6 +45,8 @@ class CollisionGeometry:
     """(F, 3) of a mesh."""
     closed: bool = False
     """Whether a mesh is closed."""
+    coal_shapes: dict[float, Any] = field(default_factory=dict, repr=False)
+    """What coal made of it for `collision`, by the unit of length (m): trees of large meshes take as long as many queries."""
 
     @property
     def corners(self) -> Array:

@@ -58,7 +58,7 @@ def is_started_in_simulator(model: Model) -> bool:
     path = model.source.path.absolute()
     own = re.compile(rf"(?<![\w.-])(?:{re.escape(path.parent.name)}/|(?<![\w.-]/)){re.escape(path.name)}(?![\w.-])")
     return has_elements(model) or any(
-        SIMULATOR.search(text) and own.search(text) and not names_other_model(text, path.name)
+        path.name in text and own.search(text) and SIMULATOR.search(text) and not names_other_model(text, path.name)
         for text in list_project_texts(model)
     )
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
@@ -17,7 +18,8 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.ros.srdf import has_dependency
-from urdfcheck.source.ros.yaml_files import read_located_yaml
+from urdfcheck.source.ros.yaml_files import read_yaml_text
+from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.system.files import read_regular
 
@@ -31,6 +33,8 @@ JOINT_PARAMETERS = (
 )
 MAX_FILES = 100
 _LARGEST_LAUNCH = 1_000_000
+# Characters of a yaml file whose controllers are kept.
+_LONGEST_KEPT = 20_000
 _ACTIONS = frozenset({"FollowJointTrajectory", "GripperCommand"})
 # Other nodes also have parameters of these names.
 _CONTROLLER_NAME = re.compile(r"controller(?!_manager)|broadcaster")
@@ -149,9 +153,24 @@ def _list_folder(folder: Path) -> list[Path]:
 def read_controller_config(path: Path, finder: PackageFinder) -> ControllerConfig | None:
     """Read the controllers in a file; None if it has none, may not be opened, or is a template that is filled in later."""
     try:
-        root = read_located_yaml(path, finder)
+        source = read_yaml_text(path, finder)
+        if source is None:
+            return None
+        parse = _parse_known_config if len(source.text) <= _LONGEST_KEPT else _parse_config
+        return parse(path, source.name, source.text)
     except YamlReadError:
         return None
+
+
+def _parse_config(path: Path, name: str, text: str) -> ControllerConfig | None:
+    """Parse the text of a file whose name in findings is ``name``.
+
+    :raises YamlReadError: if it is not yaml.
+    """
+    # PyYAML takes a start 12 ms, and most robots have none.
+    from urdfcheck.source.text.yaml.reader import parse_located_yaml
+
+    root = parse_located_yaml(SourceFile(path, name, text))
     if root is None:
         return None
     nodes = list(_walk_mappings(root))
@@ -159,6 +178,10 @@ def read_controller_config(path: Path, finder: PackageFinder) -> ControllerConfi
     config = ControllerConfig(path, tuple(_parse_controllers(nodes, types)), tuple(_parse_gpio_claims(nodes, types)))
     names = config.joint_names.union(claim.component.text for claim in config.gpio_claims)
     return config if names and not any(map(_TEMPLATE.search, names)) else None
+
+
+# The models of a workspace read the same files, of which few have controllers.
+_parse_known_config = lru_cache(maxsize=512)(_parse_config)
 
 
 def _collect_types(nodes: Iterable[_Node]) -> dict[str, str]:

@@ -15,14 +15,24 @@ def read_located_yaml(path: Path, finder: PackageFinder) -> YamlValue | None:
 
     :raises YamlReadError: as :func:`~urdfcheck.source.text.yaml.reader.parse_located_yaml`, and if its bytes are not text.
     """
+    source = read_yaml_text(path, finder)
+    if source is None:
+        return None
+    # PyYAML takes a start 12 ms, and most robots have none.
+    from urdfcheck.source.text.yaml.reader import parse_located_yaml
+
+    return parse_located_yaml(source)
+
+
+def read_yaml_text(path: Path, finder: PackageFinder) -> SourceFile | None:
+    """Return the text of a file; None if it cannot be read or may not be opened.
+
+    :raises YamlReadError: if its bytes are not text, or too many.
+    """
     if not finder.can_open(path) or not os.path.isfile(path):
         return None
-    from urdfcheck.source.text.yaml.reader import (
-        parse_located_yaml,
-    )  # PyYAML takes a start 12 ms, and most robots have none
-
     try:
-        return parse_located_yaml(SourceFile.read(path, format_path(path), declares=False))
+        return SourceFile.read(path, format_path(path), declares=False)
     except OSError:
         return None
     except XmlError as error:  # its encoding or size

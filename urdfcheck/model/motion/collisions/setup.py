@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array, Indices
-
 import hashlib
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -20,6 +16,7 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision import Colliders, list_all_pairs
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
+from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.poses import JointConfigurations
@@ -225,11 +222,19 @@ def make_colliders(placed: Sequence[PlacedGeometry]) -> Colliders:
 
 
 def make_geometry(model: Model, shape: Shape) -> CollisionGeometry:
-    """Return the geometry of a usable shape, with its scale."""
+    """Return the geometry of a usable shape, with its scale; of a mesh one for all shapes of that scale."""
     if shape.kind != "mesh":
         return CollisionGeometry(kind=shape.kind or "", size=shape.size or ())
-    facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
-    assert facts is not None  # see is_usable_shape
+    path = model.meshes.by_shape[id(shape)].resource.path
+    scale = compute_drawn_scale(model, shape)
+    assert path is not None  # see is_usable_shape
+    assert scale is not None
+    return _make_mesh_geometry(model, path, scale)
+
+
+@fact
+def _make_mesh_geometry(model: Model, path: Path, scale: tuple[float, float, float]) -> CollisionGeometry:
+    facts = model.meshes.facts[path]
     return CollisionGeometry(
         kind="mesh", size=(), vertices=facts.vertices * np.array(scale), faces=facts.faces, closed=facts.closed
     )
