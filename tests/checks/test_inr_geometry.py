@@ -243,8 +243,10 @@ def test_the_size_that_is_told_is_the_greatest_distance(count: int) -> None:
     assert measure_extent(points) > 0.5
 
 
-def test_the_greatest_distance_of_many_points_is_that_of_all_pairs() -> None:
-    points = np.random.default_rng(3).normal(size=(900, 3)) * (1.0, 0.8, 0.1)
+@pytest.mark.parametrize("thickness", [0.1, 0.0])
+@pytest.mark.parametrize("count", [900, 3000])
+def test_the_greatest_distance_of_many_points_is_that_of_all_pairs(count: int, thickness: float) -> None:
+    points = np.random.default_rng(3).normal(size=(count, 3)) * (1.0, 0.8, thickness)
     apart = np.linalg.norm(points[:, None] - points[None], axis=2)
     assert measure_diameter(points) == pytest.approx(float(apart.max()), rel=1e-12)
 

@@ -6,12 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.mesh.convex_hull import MOST_EXACT, compute_convex_hull
+
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
     from urdfcheck.facts.arrays import Array
 
 
+# Points of which all pairs are compared more quickly than their hull is made.
+_FEW = 1000
 # Rows of points that are compared with all others at once.
 _ROWS = 256
 # Distances that are computed at once, of which each takes 32 bytes: a mesh may have a million corners.
@@ -34,7 +38,7 @@ def measure_extent(points: ArrayLike) -> float:
 def measure_diameter(points: ArrayLike) -> float:
     """Measure the greatest distance of two of ``points`` (K, 3): the length that a reader measures, and never more than
     `measure_extent`."""
-    corners = np.asarray(points, dtype=float)
+    corners = _drop_inner_points(np.asarray(points, dtype=float))
     corners = corners - corners.mean(axis=0)
     reach = np.linalg.norm(corners, axis=1)
     order = np.argsort(-reach)
@@ -49,6 +53,19 @@ def measure_diameter(points: ArrayLike) -> float:
         apart = corners[start : start + rows, None] - corners[None, start : max(last, start + 1)]
         farthest = max(farthest, float(np.einsum("ijk,ijk->ij", apart, apart).max()) ** 0.5)
     return farthest
+
+
+def _drop_inner_points(points: Array) -> Array:
+    """Return those of ``points`` (K, 3) that are corners of their convex hull, if they are many, and perhaps a few others."""
+    if len(points) <= _FEW:
+        return points
+    hulls = []
+    for start in range(0, len(points), MOST_EXACT):
+        part = points[start : start + MOST_EXACT]
+        hull = compute_convex_hull(part)
+        hulls.append(hull.vertices if hull.volume else part)  # of flat points it is a box about them
+    corners = np.concatenate(hulls)
+    return _drop_inner_points(corners) if len(corners) < len(points) else corners
 
 
 def measure_hull_distance(points: ArrayLike, point: ArrayLike, rel_tol: float = 1e-6) -> float:
