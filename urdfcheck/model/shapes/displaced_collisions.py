@@ -158,21 +158,22 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
     if facts is None or scale is None:
         return False
     factors = np.array(scale)
-    directions = spread_directions_and_axes(_DIRECTIONS)
-    outlines = []
-    for pose in (one.pose, other.pose):
-        turn, place = pose[:3, :3], pose[:3, 3]
-        reach = facts.compute_reach((directions @ turn) * factors) + directions @ place
-        spread = turn @ (facts.surface_covariance * np.outer(factors, factors)) @ turn.T
-        outlines.append((reach, turn @ (factors * facts.surface_centroid) + place, spread))
-    (reach, centroid, spread), (reach_2, centroid_2, spread_2) = outlines
-    size = float(np.sqrt(max(0.0, np.trace(spread))))
-    return bool(
-        np.abs(reach - reach_2).max() <= distance
-        and np.linalg.norm(centroid - centroid_2) <= distance
-        # A surface that moves by the distance everywhere changes its moments by twice that times its extent.
-        and np.abs(spread - spread_2).max() <= 2.0 * distance * size
+    turns, places = ([pose[part] for pose in (one.pose, other.pose)] for part in (np.s_[:3, :3], np.s_[:3, 3]))
+    covariance = facts.surface_covariance * np.outer(factors, factors)
+    centroid, centroid_2 = (
+        turn @ (factors * facts.surface_centroid) + place for turn, place in zip(turns, places, strict=True)
     )
+    spread, spread_2 = (turn @ covariance @ turn.T for turn in turns)
+    size = float(np.sqrt(max(0.0, np.trace(spread))))
+    # A surface that moves by the distance everywhere changes its moments by twice that times its extent.
+    if np.linalg.norm(centroid - centroid_2) > distance or np.abs(spread - spread_2).max() > 2.0 * distance * size:
+        return False
+    directions = spread_directions_and_axes(_DIRECTIONS)
+    reach, reach_2 = (
+        facts.compute_reach((directions @ turn) * factors) + directions @ place
+        for turn, place in zip(turns, places, strict=True)
+    )
+    return bool(np.abs(reach - reach_2).max() <= distance)
 
 
 def _measure_angle(shape: Shape, turn: Array) -> float:
