@@ -7,8 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
-from urdfcheck.model import Model
-from urdfcheck.model.robot import Joint
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.wheel_names import is_revolute_wheel
 from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, list_attributes_as_children
 from urdfcheck.source.text.xml import Element
