@@ -1628,3 +1628,15 @@ def test_a_folder_of_rosbuild_keeps_the_name_that_its_files_use(tmp_path: Path, 
     assert finding.fix.title.startswith(
         "write cart_new instead of cart" if used else "rename the folder cart_new to cart"
     )
+
+
+@pytest.mark.parametrize(("place", "is_read"), [("maps/room", False), ("maps/room.yaml", True)])
+def test_a_folder_that_only_a_program_writes_to_is_not_one_where_files_are_looked_up(
+    tmp_path: Path, place: str, is_read: bool
+) -> None:
+    files = {"package.xml": manifest(AMENT), "CMakeLists.txt": "ament_package()", "maps/room.yaml": ""}
+    saver = f"Node(arguments=['-f', os.path.join(get_package_share_directory('p'), '{place}')])"
+    write(tmp_path, {**files, "launch/save.launch.py": saver})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert ("looked up" in finding.message) == is_read
+    assert place in finding.message
