@@ -1640,3 +1640,34 @@ def test_a_folder_that_only_a_program_writes_to_is_not_one_where_files_are_looke
     (finding,) = findings(tmp_path, "PKG008")
     assert ("looked up" in finding.message) == is_read
     assert place in finding.message
+
+
+@pytest.mark.parametrize(("beside", "near"), [(".dae", "visual/{}.dae"), (None, "collision/{}.stl")])
+def test_the_same_name_in_another_format_comes_before_the_coarse_mesh(
+    tmp_path: Path, beside: str | None, near: str
+) -> None:
+    names = ("palm", "thumb", "finger")
+    here = [f"meshes/visual/{name}{beside}" for name in names if beside]
+    model = package(tmp_path, "meshes/visual/other.dae", *here, *(f"meshes/collision/{name}.stl" for name in names))
+    links = [make_mesh_link(name, f"package://p/meshes/visual/{name}.stl") for name in names]
+    found = audit(model, *links, codes={"PKG002"}).findings
+    assert [f.data["near"][0].endswith(near.format(name)) for f, name in zip(found, names, strict=True)] == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("content", "severity"),
+    [
+        ("<buildtool_depend>catkin</buildtool_depend>", Severity.INFO),
+        (AMENT, Severity.WARNING),
+        (
+            "<buildtool_depend>catkin</buildtool_depend><buildtool_depend>ament_cmake</buildtool_depend>",
+            Severity.WARNING,
+        ),
+    ],
+)
+def test_the_libcurl_of_ros1_takes_a_blank(tmp_path: Path, content: str, severity: Severity) -> None:
+    model = package(tmp_path, "meshes/a b.stl")
+    (tmp_path / "p/package.xml").write_text(manifest(content), encoding="utf-8")
+    (finding,) = audit(model, make_mesh_link("a", "package://p/meshes/a b.stl"), codes={"PKG011"}).findings
+    assert finding.severity == severity
+    assert finding.consequences["rviz"].startswith("loads" if severity == Severity.INFO else "drops")
