@@ -131,7 +131,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
 def _get_severity(problem: _PathProblem, source: Source) -> Severity | None:
     """Return the severity of paths that are found or may be.
 
-    Letters of a file that is found are a note about other machines; so are its blanks in a package of ROS 1: its libcurl takes them.
+    Letters of a file that is found are a note about other machines; so are its blanks in a package of ROS 1, for its libcurl.
     """
     is_found = all(use.resource.exists for use in problem.uses)
     is_note = problem.message == "letters" or (problem.message == "blank" and _is_for_ros1(source.package))

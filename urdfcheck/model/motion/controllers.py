@@ -215,9 +215,10 @@ def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str
     if not blocks:
         return None
     offered: dict[str, set[str]] = {}
-    for block, component in ((block, one) for block in blocks for tag in tags for one in block.find_children(tag)):
+    pairs = ((block, one) for block in blocks for tag in tags for one in block.find_children(tag))
+    for control, component in pairs:
         names = {element.get("name") for element in component.find_children(f"{role}_interface")}
-        if _is_of_gazebo_classic(block):
+        if _is_of_gazebo_classic(control):
             names = {name.removesuffix(_PID) for name in names}
         offered.setdefault(component.get("name"), set()).update(names)
     return offered
