@@ -227,6 +227,6 @@ def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str
 def _is_of_gazebo_classic(block: Element) -> bool:
     """Whether the hardware of a ``<ros2_control>`` block is that of gazebo_ros2_control.
 
-    It exports `position_pid` under the name `position`, and `velocity_pid` as `velocity`: the suffix only says how it follows them.
+    It exports `position_pid` as `position`, and `velocity_pid` as `velocity`: the suffix only says how it follows them.
     """
     return any(element.tag == "plugin" and _GAZEBO_CLASSIC.match(element.text.strip()) for element in block.walk())
