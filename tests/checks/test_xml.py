@@ -1487,3 +1487,19 @@ def test_an_origin_in_a_geometry_belongs_to_the_shape_around_it(tmp_path: Path, 
     ).findings
     assert finding.fix is not None
     assert (finding.severity, finding.fix.title) == (Severity.ERROR, repair)
+
+
+@pytest.mark.parametrize(("named", "severity"), [("arm.urdf", Severity.INFO), ("links.xacro", Severity.WARNING)])
+def test_a_xacro_without_a_name_beside_a_named_model_is_a_kept_part(
+    tmp_path: Path, named: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": "<package format='2'><name>arm</name></package>",
+        "launch/show.launch": f"<launch><param name='m' textfile='$(find arm)/urdf/{named}'/></launch>",
+        "urdf/links.xacro": '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>',
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "urdf/links.xacro", codes={"XML002"}).findings
+    assert finding.severity == severity
