@@ -1671,3 +1671,68 @@ def test_the_libcurl_of_ros1_takes_a_blank(tmp_path: Path, content: str, severit
     (finding,) = audit(model, make_mesh_link("a", "package://p/meshes/a b.stl"), codes={"PKG011"}).findings
     assert finding.severity == severity
     assert finding.consequences["rviz"].startswith("loads" if severity == Severity.INFO else "drops")
+
+
+HEAD = '<robot{} xmlns:xacro="http://www.ros.org/wiki/xacro">'
+
+
+@pytest.mark.parametrize(
+    ("included", "severity"),
+    [("src/urdf/model/leg.xacro", Severity.INFO), ("urdf/model/foot.xacro", Severity.ERROR)],
+)
+def test_a_project_that_is_a_folder_of_its_package(tmp_path: Path, included: str, severity: Severity) -> None:
+    leg = HEAD.format("") + make_mesh_link("a", "package://p/src/urdf/meshes/a.stl") + "</robot>"
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            "model/leg.xacro": leg,
+            "meshes/a.stl": "",
+            "r.urdf": '<robot name="r">' + make_mesh_link("a", "package://p/src/urdf/meshes/a.stl") + "</robot>",
+            "r.urdf.xacro": HEAD.format(' name="r"') + f'<xacro:include filename="$(find p)/{included}"/></robot>',
+        },
+    )
+    for model in ("r.urdf.xacro", "r.urdf"):
+        finding = only(check(tmp_path / model, codes={"PKG001"}))
+        assert finding.severity == severity
+        assert ("the folder src/urdf of that package" in finding.message) == (severity == Severity.INFO)
+
+
+@pytest.mark.parametrize(("name", "severity"), [("arm", Severity.INFO), ("sub/arm", Severity.ERROR)])
+def test_anyone_may_check_out_a_rosbuild_package_under_another_name(
+    tmp_path: Path, name: str, severity: Severity
+) -> None:
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            f"{name}/.git/HEAD" if name == "arm" else "x": "",
+            f"{name}/manifest.xml": "<package><author>me</author></package>",
+            f"{name}/urdf/hand.xacro": HEAD.format("") + '<link name="b"/></robot>',
+            f"{name}/urdf/r.urdf.xacro": HEAD.format(' name="r"')
+            + '<xacro:include filename="$(find old_arm)/urdf/hand.xacro"/></robot>',
+        },
+    )
+    finding = only(check(tmp_path / name / "urdf/r.urdf.xacro", codes={"PKG001"}))
+    assert finding.severity == severity
+    assert finding.blocks_check
+
+
+@pytest.mark.parametrize(("script", "severity"), [("links.xacro", Severity.INFO), ("other.xacro", Severity.ERROR)])
+def test_a_part_that_a_script_puts_into_another_package(tmp_path: Path, script: str, severity: Severity) -> None:
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            "urdf/links.xacro": HEAD.format("") + make_mesh_link("a", "package://p/meshes/a.stl") + "</robot>",
+            "util/deploy.py": f"shutil.copy('urdf/{script}', target)",
+        },
+    )
+    assert only(check(tmp_path / "urdf/links.xacro", codes={"PKG001"})).severity == severity
+
+
+def test_joints_alone_are_no_robot(tmp_path: Path) -> None:
+    joint = '<joint name="j" type="$(arg kind)"><parent link="a"/><child link="b"/></joint></robot>'
+    write(tmp_path, {"joints.xacro": HEAD.format("") + joint, "r.xacro": HEAD.format(' name="r"') + joint})
+    assert not check(tmp_path / "joints.xacro", codes={"XAC010"}).findings
+    assert only(check(tmp_path / "r.xacro", codes={"XAC010"})).code == "XAC010"

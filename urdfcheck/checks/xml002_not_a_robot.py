@@ -11,7 +11,7 @@ from urdfcheck.source.model_role import explain_joint_to_elsewhere
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.tokens import build_rename_edits
-from urdfcheck.source.uses_elsewhere import is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
 
 
 def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
@@ -54,7 +54,8 @@ def _grade_unnamed(source: Source) -> Severity | None:
     """Return the severity of a robot without a name; a xacro beside those that files of the package name is a kept part."""
     if not source.is_xacro:
         return None
-    return Severity.INFO if is_certainly_left_aside(source) else Severity.WARNING
+    is_kept = is_certainly_left_aside(source) or find_deploying_script(source) is not None
+    return Severity.INFO if is_kept else Severity.WARNING
 
 
 def _describe_consequences(tag: str) -> dict[str, str]:
