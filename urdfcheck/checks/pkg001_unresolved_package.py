@@ -278,7 +278,7 @@ def _is_named_by_checkout(source: Source, folder: Path) -> bool:
 
 
 def _find_place_in_package(source: Source, package: str, wanted: Collection[str]) -> str:
-    """Return which folder of a package the model's whole project is, for a model in no package; empty if it is none.
+    """Return which folder of a package the model's whole project is, for a model in no package; else empty.
 
     All paths in the package that it names begin with that folder, and go on with files of the project. A mesh may lie so in a
     copy; so the folder must be named in an include too, of a file of the project by another.
