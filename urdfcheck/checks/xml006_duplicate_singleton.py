@@ -34,7 +34,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     identical = all(_build_content_key(other) == content for other in same[1:])
     is_rest_empty = not _is_empty(first) and all(map(_is_empty, same[1:]))
     message = "identical" if identical else "empty" if is_rest_empty else "repeated"
-    message = "shapes" if element.tag == "geometry" else message
+    message = "shapes" if element.tag == "geometry" and not identical else message
     # urdfdom reads only the first: deleting the others changes nothing there. Of equal ones the innermost macro's is kept, for
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
@@ -85,7 +85,8 @@ def _is_empty(element: Element) -> bool:
 def _describe_mujoco_behaviour(element: Element, second: Element) -> str:
     if second.tag in _UNSEEN_BY_MUJOCO:
         return "ignores all of them"
-    if element.tag == "visual" and second.tag != "material":
+    is_drawn = element.tag == "geometry" and element.parent is not None and element.parent.tag == "visual"
+    if is_drawn or (element.tag == "visual" and second.tag != "material"):
         return 'ignores visuals; with discardvisual="false" it refuses the file'
     return "refuses the file (repeated element)"
 
