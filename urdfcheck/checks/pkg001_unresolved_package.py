@@ -104,11 +104,12 @@ def _build_finding(
         else kind
     )
     clone = _find_rosbuild_folder(source, package, at)
-    inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source))
-    script = find_deploying_script(source) if message == "files" and not near and not here else None
+    is_lost = message in {"files", "expansion"} and not near and not here and not checkout
+    inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
+    script = find_deploying_script(source) if is_lost and uses else None
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
         message = "expansion-rosbuild"
-    elif message in {"files", "expansion"} and inside and not near and not checkout:
+    elif inside:
         message = f"{message}-inside"
     elif script is not None:
         message = "files-part"
