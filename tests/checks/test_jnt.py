@@ -1178,3 +1178,18 @@ def test_placeholders_beside_degrees_are_not_rewritten(tmp_path: Path) -> None:
     ]
     (finding,) = find(tmp_path, make_three_links(*joints), "JNT006")
     assert finding.subjects == ("joint[j]/limit@lower", "joint[j]/limit@upper")
+
+
+def test_limits_in_child_elements_refuse_the_file_or_lock_the_joint(tmp_path: Path) -> None:
+    typed = "<lower>-1</lower><upper>0.5</upper>"
+    (bare,) = find(tmp_path, make_three_links(make_joint(f"<limit>{typed}<effort>3</effort></limit>")), "JNT004")
+    assert bare.message_id == "children"
+    assert "refuses the file" in bare.consequences["pinocchio"]
+    assert bare.fix is not None
+    assert 'lower="-1" upper="0.5"' in bare.fix.title
+    (full,) = find(tmp_path, make_three_links(make_joint(f'<limit effort="1" velocity="1">{typed}</limit>')), "JNT004")
+    assert "cannot move" in full.message
+    assert "refuses" not in full.consequences["urdfdom"]
+    (empty,) = find(tmp_path, make_three_links(make_joint('<limit effort="1"/>')), "JNT004")
+    assert "locked" not in empty.headline
+    assert "lacks velocity" in empty.consequences["urdfdom"]

@@ -1628,3 +1628,111 @@ def test_a_folder_of_rosbuild_keeps_the_name_that_its_files_use(tmp_path: Path, 
     assert finding.fix.title.startswith(
         "write cart_new instead of cart" if used else "rename the folder cart_new to cart"
     )
+
+
+@pytest.mark.parametrize(("place", "is_read"), [("maps/room", False), ("maps/room.yaml", True)])
+def test_a_folder_that_only_a_program_writes_to_is_not_one_where_files_are_looked_up(
+    tmp_path: Path, place: str, is_read: bool
+) -> None:
+    files = {"package.xml": manifest(AMENT), "CMakeLists.txt": "ament_package()", "maps/room.yaml": ""}
+    saver = f"Node(arguments=['-f', os.path.join(get_package_share_directory('p'), '{place}')])"
+    write(tmp_path, {**files, "launch/save.launch.py": saver})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert ("looked up" in finding.message) == is_read
+    assert place in finding.message
+
+
+@pytest.mark.parametrize(("beside", "near"), [(".dae", "visual/{}.dae"), (None, "collision/{}.stl")])
+def test_the_same_name_in_another_format_comes_before_the_coarse_mesh(
+    tmp_path: Path, beside: str | None, near: str
+) -> None:
+    names = ("palm", "thumb", "finger")
+    here = [f"meshes/visual/{name}{beside}" for name in names if beside]
+    model = package(tmp_path, "meshes/visual/other.dae", *here, *(f"meshes/collision/{name}.stl" for name in names))
+    links = [make_mesh_link(name, f"package://p/meshes/visual/{name}.stl") for name in names]
+    found = audit(model, *links, codes={"PKG002"}).findings
+    assert [f.data["near"][0].endswith(near.format(name)) for f, name in zip(found, names, strict=True)] == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("content", "severity"),
+    [
+        ("<buildtool_depend>catkin</buildtool_depend>", Severity.INFO),
+        (AMENT, Severity.WARNING),
+        (
+            "<buildtool_depend>catkin</buildtool_depend><buildtool_depend>ament_cmake</buildtool_depend>",
+            Severity.WARNING,
+        ),
+    ],
+)
+def test_the_libcurl_of_ros1_takes_a_blank(tmp_path: Path, content: str, severity: Severity) -> None:
+    model = package(tmp_path, "meshes/a b.stl")
+    (tmp_path / "p/package.xml").write_text(manifest(content), encoding="utf-8")
+    (finding,) = audit(model, make_mesh_link("a", "package://p/meshes/a b.stl"), codes={"PKG011"}).findings
+    assert finding.severity == severity
+    assert finding.consequences["rviz"].startswith("loads" if severity == Severity.INFO else "drops")
+
+
+HEAD = '<robot{} xmlns:xacro="http://www.ros.org/wiki/xacro">'
+
+
+@pytest.mark.parametrize(
+    ("included", "severity"),
+    [("src/urdf/model/leg.xacro", Severity.INFO), ("urdf/model/foot.xacro", Severity.ERROR)],
+)
+def test_a_project_that_is_a_folder_of_its_package(tmp_path: Path, included: str, severity: Severity) -> None:
+    leg = HEAD.format("") + make_mesh_link("a", "package://p/src/urdf/meshes/a.stl") + "</robot>"
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            "model/leg.xacro": leg,
+            "meshes/a.stl": "",
+            "r.urdf": '<robot name="r">' + make_mesh_link("a", "package://p/src/urdf/meshes/a.stl") + "</robot>",
+            "r.urdf.xacro": HEAD.format(' name="r"') + f'<xacro:include filename="$(find p)/{included}"/></robot>',
+        },
+    )
+    for model in ("r.urdf.xacro", "r.urdf"):
+        finding = only(check(tmp_path / model, codes={"PKG001"}))
+        assert finding.severity == severity
+        assert ("the folder src/urdf of that package" in finding.message) == (severity == Severity.INFO)
+
+
+@pytest.mark.parametrize(("name", "severity"), [("arm", Severity.INFO), ("sub/arm", Severity.ERROR)])
+def test_anyone_may_check_out_a_rosbuild_package_under_another_name(
+    tmp_path: Path, name: str, severity: Severity
+) -> None:
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            f"{name}/.git/HEAD" if name == "arm" else "x": "",
+            f"{name}/manifest.xml": "<package><author>me</author></package>",
+            f"{name}/urdf/hand.xacro": HEAD.format("") + '<link name="b"/></robot>',
+            f"{name}/urdf/r.urdf.xacro": HEAD.format(' name="r"')
+            + '<xacro:include filename="$(find old_arm)/urdf/hand.xacro"/></robot>',
+        },
+    )
+    finding = only(check(tmp_path / name / "urdf/r.urdf.xacro", codes={"PKG001"}))
+    assert finding.severity == severity
+    assert finding.blocks_check
+
+
+@pytest.mark.parametrize(("script", "severity"), [("links.xacro", Severity.INFO), ("other.xacro", Severity.ERROR)])
+def test_a_part_that_a_script_puts_into_another_package(tmp_path: Path, script: str, severity: Severity) -> None:
+    write(
+        tmp_path,
+        {
+            ".git/HEAD": "",
+            "urdf/links.xacro": HEAD.format("") + make_mesh_link("a", "package://p/meshes/a.stl") + "</robot>",
+            "util/deploy.py": f"shutil.copy('urdf/{script}', target)",
+        },
+    )
+    assert only(check(tmp_path / "urdf/links.xacro", codes={"PKG001"})).severity == severity
+
+
+def test_joints_alone_are_no_robot(tmp_path: Path) -> None:
+    joint = '<joint name="j" type="$(arg kind)"><parent link="a"/><child link="b"/></joint></robot>'
+    write(tmp_path, {"joints.xacro": HEAD.format("") + joint, "r.xacro": HEAD.format(' name="r"') + joint})
+    assert not check(tmp_path / "joints.xacro", codes={"XAC010"}).findings
+    assert only(check(tmp_path / "r.xacro", codes={"XAC010"})).code == "XAC010"

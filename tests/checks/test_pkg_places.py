@@ -604,8 +604,15 @@ def test_a_launch_file_of_the_package_is_named_by_it_whatever_the_authors_machin
     assert finding.fix.title == f"write `$({find} car)/launch/world.launch`: the package has the file"
 
 
-def test_a_xacro_of_rosbuild_in_a_folder_of_another_name_names_the_folder(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("repository", "repair"),
+    [("", "rename the folder clone to arm: a package of rosbuild"), ("clone", "check it out as arm")],
+)
+def test_a_xacro_of_rosbuild_in_a_folder_of_another_name_names_the_folder(
+    tmp_path: Path, repository: str, repair: str
+) -> None:
     root = tmp_path / "clone"
+    write(tmp_path / repository, ".git/HEAD", text="")
     write(root, "manifest.xml", text="<package><author>me</author></package>")
     write(root, "urdf/base.xacro", text='<robot xmlns:xacro="http://www.ros.org/wiki/xacro"/>')
     include = '<xacro:include filename="$(find arm)/urdf/base.xacro"/>'
@@ -614,7 +621,7 @@ def test_a_xacro_of_rosbuild_in_a_folder_of_another_name_names_the_folder(tmp_pa
     )
     (finding,) = check(root / "urdf/r.urdf.xacro", codes={"PKG001"}).findings
     assert finding.fix is not None
-    assert finding.fix.title.startswith("rename the folder clone to arm: a package of rosbuild")
+    assert finding.fix.title.startswith(repair)
 
 
 def test_the_package_of_the_file_that_names_another_declares_it(tmp_path: Path) -> None:

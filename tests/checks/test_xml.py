@@ -1487,3 +1487,46 @@ def test_an_origin_in_a_geometry_belongs_to_the_shape_around_it(tmp_path: Path, 
     ).findings
     assert finding.fix is not None
     assert (finding.severity, finding.fix.title) == (Severity.ERROR, repair)
+
+
+@pytest.mark.parametrize(("named", "severity"), [("arm.urdf", Severity.INFO), ("links.xacro", Severity.WARNING)])
+def test_a_xacro_without_a_name_beside_a_named_model_is_a_kept_part(
+    tmp_path: Path, named: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": "<package format='2'><name>arm</name></package>",
+        "launch/show.launch": f"<launch><param name='m' textfile='$(find arm)/urdf/{named}'/></launch>",
+        "urdf/links.xacro": '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>',
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "urdf/links.xacro", codes={"XML002"}).findings
+    assert finding.severity == severity
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "message"),
+    [
+        ('<origin xyz="0.0 -0.0 -0.0" rpy="0 0 0"/>', '<origin xyz="0 0 0" rpy="0 0 0"/>', "identical"),
+        ('<origin xyz=".1 0 0"/>', '<origin rpy="0 0 0" xyz="1e-1 0 0"/>', "identical"),
+        ("<origin/>", '<origin xyz="0 0 0"/>', "identical"),
+        ('<origin xyz="0.1 0 0"/>', '<origin xyz="0.1 0 0.001"/>', "repeated"),
+        ('<origin xyz="0.1 0"/>', '<origin xyz="0.1 0 0"/>', "repeated"),
+    ],
+)
+def test_numbers_of_repeated_elements_are_compared_and_not_their_digits(
+    tmp_path: Path, first: str, second: str, message: str
+) -> None:
+    shape = "<geometry><sphere radius='1'/></geometry>"
+    text = ROBOT.format(link=f"<collision>{first}{second}{shape}</collision>", joint="")
+    assert [f.message_id for f in findings(tmp_path, text, "XML006")] == [message]
+
+
+def test_of_two_inertials_neither_is_called_wrong(tmp_path: Path) -> None:
+    inertia = '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    two = "".join(f'<inertial><mass value="1"/><origin xyz="{x} 0 0"/>{inertia}</inertial>' for x in (0, 1))
+    (finding,) = findings(tmp_path, ROBOT.format(link=two, joint=""), "XML006")
+    assert finding.fix is not None
+    assert "wrong" not in finding.fix.title
+    assert "all of them" in finding.fix.title

@@ -6,9 +6,13 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.model import Model
+from urdfcheck.core.text import join_names
+from urdfcheck.model import Joint, Model
 from urdfcheck.model.wheel_names import is_revolute_wheel
-from urdfcheck.source.text.grammar import is_attribute_missing
+from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, list_attributes_as_children
+from urdfcheck.source.text.xml import Element
+
+_USERS_OF_URDFDOM = ("urdfdom", "pinocchio", "gazebo", "moveit")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -21,4 +25,26 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if limit is None:
             yield rule.finding("wheel-missing" if is_revolute_wheel(joint) else "missing", at=joint, **data)
         elif is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper"):
-            yield rule.finding("wheel" if is_revolute_wheel(joint) else "locked", at=limit, **data)
+            yield _build_range_finding(joint, limit, rule, data)
+
+
+def _build_range_finding(joint: Joint, limit: Element, rule: Rule, data: dict[str, Any]) -> Finding:
+    """Report a limit without a range; where urdfdom refuses it for something else too, no joint is locked."""
+    typed = list_attributes_as_children(limit)
+    is_range = any(child.tag in {"lower", "upper"} for child in typed)
+    is_wheel = is_revolute_wheel(joint)
+    lacking = " and ".join(name for name in REQUIRED_ATTRIBUTES["limit"] if is_attribute_missing(limit, name))
+    refusal = f"refuses the file: `<limit>` lacks {lacking}"
+    return rule.finding(
+        "children" if is_range else "wheel" if is_wheel else "locked",
+        at=limit,
+        related=typed if is_range else (),
+        consequences=dict.fromkeys(_USERS_OF_URDFDOM, refusal) if lacking else None,
+        **data,
+        tags=join_names(f"<{child.tag}>" for child in typed),
+        written=" ".join(f'{child.tag}="{child.text.strip()}"' for child in typed),
+        state="" if lacking else " is locked",
+        result=f"a limit without {lacking} makes urdfdom refuse the file"
+        if lacking
+        else f"the {'wheel cannot turn' if is_wheel else 'joint cannot move'}",
+    )

@@ -14,7 +14,7 @@ from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.use.display import has_bare_joints
 from urdfcheck.model.use.simulators import is_simulated_hardware
-from urdfcheck.source.text.grammar import is_attribute_missing
+from urdfcheck.source.text.grammar import is_attribute_missing, list_attributes_as_children
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_around
 
@@ -42,12 +42,16 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
         limit = joint.limit
         missing = [] if limit is None else [n for n in ("effort", "velocity") if is_attribute_missing(limit, n)]
         if limit is not None and missing:
+            children = [f"<{child.tag}>" for child in list_attributes_as_children(limit) if child.tag in missing]
             yield rule.finding(
                 "missing",
                 at=limit,
                 severity=Severity.ERROR,
                 joint=joint.name,
                 names=" and ".join(missing),
+                typed=""
+                if not children
+                else f" ({join_names(children)} inside it is an element, which no program reads)",
                 wanted=" and ".join(_WANTED[name] for name in missing),
             )
     joints = [] if is_held_still(model.robot) else model.joints

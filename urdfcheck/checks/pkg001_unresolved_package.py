@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
@@ -17,7 +17,7 @@ from urdfcheck.source.package.package_folders import is_rosbuild_package, read_p
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
-from urdfcheck.source.project_folders import is_part_of_robot
+from urdfcheck.source.project_folders import find_project_folder, is_part_of_robot
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_missing_uses,
@@ -33,13 +33,18 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
 # So many files of one package are its own: fewer of these names (`meshes/base_link.stl`) many packages have.
 _LEAST_FILES = 3
+# The messages about models that are right somewhere else.
+_NOTES = frozenset({
+    *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
+    *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
+})  # fmt: skip
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
@@ -98,8 +103,18 @@ def _build_finding(
         if kind == "files" and not near and not here and is_certainly_left_aside(source)
         else kind
     )
+    clone = _find_rosbuild_folder(source, package, at)
+    is_lost = message in {"files", "expansion"} and not near and not here and not checkout
+    inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
+    script = find_deploying_script(source) if is_lost and uses else None
+    if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
+        message = "expansion-rosbuild"
+    elif inside:
+        message = f"{message}-inside"
+    elif script is not None:
+        message = "files-part"
     # The meshes of a declared package are missing only until it is installed.
-    lost = message in {"files", "files-released", "files-aside", "nameless"}
+    lost = message in {"files", "files-inside", "files-part", "files-released", "files-aside", "nameless"}
     # Without a package the model may be for programs that need none.
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
@@ -109,7 +124,6 @@ def _build_finding(
     if own and package and source.package is not None:
         likewise = ", and the others likewise" if len(own) > 1 else ""
         repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
-    clone = _find_rosbuild_folder(source, package, at)
     if clone is not None and kind == "expansion":
         repair = _describe_rosbuild_repair(source, package, clone)
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
@@ -133,6 +147,9 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
+        folder="" if clone is None else clone.name,
+        inside=inside,
+        script="" if script is None else script.name,
         hint=(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
@@ -145,13 +162,13 @@ def _build_finding(
         + named_by,
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
-    return replace(finding, blocks_check=True) if message == "expansion-declared" else finding
+    is_blocked = message in {"expansion-declared", "expansion-inside", "expansion-rosbuild"}
+    return replace(finding, blocks_check=True) if is_blocked else finding
 
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:
     """Return the severity of a message; None for that of the rule."""
-    infos = {"files-declared", "files-recorded", "files-rosbuild", "files-aside", "rosbuild", "expansion-declared"}
-    if message in infos:
+    if message in _NOTES:
         return Severity.INFO
     return Severity.WARNING if is_outside or message == "files-released" else None
 
@@ -256,6 +273,32 @@ def _find_rosbuild_folder(source: Source, package: str, at: Location) -> Path | 
     return next((f for f in own if (f / inside).is_file()), None)
 
 
+def _is_named_by_checkout(source: Source, folder: Path) -> bool:
+    """Whether a folder is the whole project, which anyone may check out under another name, and no file in it uses its name."""
+    return folder == find_project_folder(source.path.absolute()) and not _uses_own_name(source, folder)
+
+
+def _find_place_in_package(source: Source, package: str, wanted: Collection[str]) -> str:
+    """Return which folder of a package the model's whole project is, for a model in no package; else empty.
+
+    All paths in the package that it names begin with that folder, and go on with files of the project. A mesh may lie so in a
+    copy; so the folder must be named in an include too, of a file of the project by another.
+    """
+    first = next(iter(wanted), "")
+    if source.package is not None or not package or not first:
+        return ""
+    project = find_project_folder(source.path.absolute())
+    for place in (str(parent) for parent in [*PurePosixPath(first).parents][-2::-1]):
+        rests = [path.removeprefix(f"{place}/") for path in wanted if path.startswith(f"{place}/")]
+        if len(rests) == len(wanted) and _has_all_files(project, rests, source):
+            included = re.compile(
+                rf"\$\(find\s+{re.escape(package)}\s*\)/{re.escape(place)}/([^\s$\"'<>{{}}]+\.xacro)[\"']"
+            )
+            named = (name for text in _read_models(project, source) for name in included.findall(text))
+            return place if any(_has_all_files(project, [name], source) for name in named) else ""
+    return ""
+
+
 def _find_rosbuild_package(source: Source) -> Path | None:
     """Return the package of rosbuild that the model is in."""
     return next(filter(is_rosbuild_package, source.finder.list_parent_folders()), None)
@@ -264,11 +307,16 @@ def _find_rosbuild_package(source: Source) -> Path | None:
 def _describe_rosbuild_repair(source: Source, package: str, folder: Path) -> str:
     """Say how a package of rosbuild in a folder of another name is found: by that name, if files in it use it already."""
     own = "a package of rosbuild (manifest.xml) has the name of its folder"
-    used = re.compile(rf"(?:\$\(find\s+|package://){re.escape(folder.name)}(?![\w-])")
-    texts = read_package_texts(folder, source.finder.can_open)
-    if any(map(used.search, texts)) or any(used.search(text) for text in _read_models(folder, source)):
+    if _uses_own_name(source, folder):
         return f"write {folder.name} instead of {package}, the name that other files of the folder use: {own}"
     return f"rename the folder {folder.name} to {package}: {own}; or add a package.xml with this name"
+
+
+def _uses_own_name(source: Source, folder: Path) -> bool:
+    """Whether files in a folder name a package as the folder is called."""
+    used = re.compile(rf"(?:\$\(find\s+|package://){re.escape(folder.name)}(?![\w-])")
+    texts = read_package_texts(folder, source.finder.can_open)
+    return any(map(used.search, texts)) or any(used.search(text) for text in _read_models(folder, source))
 
 
 def _read_models(folder: Path, source: Source) -> Iterator[str]:

@@ -67,6 +67,8 @@ _FOLDER_WORDS = frozenset({
     *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified"),
     *("src", "step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
 })  # fmt: skip
+# Those of the two kinds of shapes.
+_DRAWN, _TOUCHED = frozenset({"vis", "visual", "visuals"}), frozenset({"col", "collision", "collisions"})
 
 
 @dataclass(slots=True, eq=False)
@@ -168,6 +170,8 @@ def _build_finding(
     package = source.finder.find_package_of(normalise_path(path)) if at.resource.package else None
     elsewhere = find_uninstalled_file(path, package, index)
     similar = moved.get(normalise_path(path))
+    if similar is not None and _is_for_other_shapes(path, similar):
+        similar = _find_other_format(path) or similar
     owners = [] if similar or elsewhere else _find_owner(gap, source)
     similar_files = [similar] if similar else [] if owners else _find_similar_files(normalise_path(path), index, source)
     near = [format_path(one) for one in ([elsewhere] if elsewhere else similar_files)] + owners
@@ -338,6 +342,22 @@ def _find_similar_files(path: Path, index: FilesByName, source: Source) -> list[
         return same[:2]
     close = find_similar_name(path.name, meshes)
     return [path.parent / close] if close else []
+
+
+def _is_for_other_shapes(path: Path, other: Path) -> bool:
+    """Whether one path is in a folder of visuals and the other in one of collisions, whose meshes are coarse."""
+    kinds = [{word for part in place.parent.parts for word in _split_words(part)} for place in (path, other)]
+    return any(one & _DRAWN and two & _TOUCHED and not (one & _TOUCHED) for one, two in (kinds, kinds[::-1]))
+
+
+def _find_other_format(path: Path) -> Path | None:
+    """Return the only mesh beside a missing one that has its name and another suffix."""
+    try:
+        beside = [path.parent / name for name in os.listdir(path.parent) if name.lower().endswith(MESH_SUFFIXES)]
+    except OSError:
+        return None
+    found = [other for other in beside if other.stem == path.stem]
+    return found[0] if len(found) == 1 else None
 
 
 def _is_in_folder_of_another(path: Path, other: Path) -> bool:

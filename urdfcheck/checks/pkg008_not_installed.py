@@ -36,12 +36,14 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     if not missing:
         return
     folders = sorted(missing)
+    first = next((m for m in missing[folders[0]] if _leads_to_file(m, package)), missing[folders[0]][0])
+    is_read = any(_leads_to_file(mention, package) for mentions in missing.values() for mention in mentions)
     finding = rule.finding(
         f"{install.build_form}-several" if len(folders) > 1 else install.build_form,
         at=install.at,
         related=[mention.location for name in folders for mention in missing[name][:3]],
         edits=install.build_edits(folders),
-        consequences=_describe_loss(package, folders),
+        consequences=_describe_loss(package, folders) if is_read else _describe_absence(package),
         package=package.name,
         folder=folders[0],
         folders=folders,
@@ -52,7 +54,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if install.other_project
         else "",
         repair=_describe_python_repair(package, folders, install.names),
-        example=f"{folders[0]}{missing[folders[0]][0].subpath.lstrip('/')[len(folders[0]) :]}",
+        lookup="files are looked up by package name" if is_read else "a path leads that no file here has",
+        example=first.subpath.lstrip("/"),
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
 
@@ -139,6 +142,21 @@ def _is_lookup_of_ros1(span: Span) -> bool:
     except OSError:
         return False
     return _OLD_LOOKUP.search(text, 0, span.start) is not None
+
+
+def _leads_to_file(mention: PackageMention, package: Package) -> bool:
+    """Whether a path may be one of a file to read: it goes on where it is used, or such a file is in the source.
+
+    Another is one that a program writes, like the map of a map saver, or is missing whatever is installed.
+    """
+    place = package.path / mention.subpath.strip("/")
+    is_open = mention.subpath.endswith("/") or "$" in mention.subpath
+    return is_open or place.exists()
+
+
+def _describe_absence(package: Package) -> dict[str, str]:
+    effect = "starts the program with a path into a folder that is not there: it can neither read nor write the file"
+    return {name_launch_command(package.root): effect}
 
 
 def _describe_loss(package: Package, folders: Iterable[str]) -> dict[str, str]:

@@ -10,6 +10,8 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.build_files import read_build_type
+from urdfcheck.source.package.finder import Package
 from urdfcheck.source.resources import (
     ResourceUse,
     find_first_file,
@@ -23,6 +25,7 @@ from urdfcheck.source.text.tokens import build_replacement_edits
 _SCHEMES = ("package", "model", "file")
 # RViz fetches these by libcurl.
 _REMOTE = frozenset({"http", "https", "ftp", "ftps"})
+_IN_ROS1 = {"rviz": "loads it with the libcurl of Ubuntu 20.04 and older; 7.78 and newer refuse a blank"}
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]+)://")
 _ONE_SLASH = re.compile(rf"^(?:{'|'.join(_SCHEMES)}):/?[^/]")
 
@@ -92,6 +95,7 @@ def _truncate_at_problem(text: str, wrong: str) -> str:
 
 def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding:
     at, *others = problem.uses
+    severity = _get_severity(problem, source)
     files = list(dict.fromkeys(use.resource.text for use in problem.uses))
     lost = [use for use in problem.uses if is_misspelt(use, source)]
     exists = bool(lost) and all(
@@ -103,7 +107,8 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         at=at,
         related=[use for use in others if use.attribute.span != at.attribute.span],
         edits={edit.span: edit for edit in edits}.values(),
-        severity=Severity.ERROR if lost else _get_severity(problem),
+        severity=Severity.ERROR if lost else severity,
+        consequences=_IN_ROS1 if problem.message == "blank" and severity is Severity.INFO and not lost else None,
         file=files[0],
         files=files,
         part=problem.part,
@@ -123,10 +128,21 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
     )
 
 
-def _get_severity(problem: _PathProblem) -> Severity | None:
-    """Return the severity of paths that are found or may be: letters of a file that is found are a note about other machines."""
+def _get_severity(problem: _PathProblem, source: Source) -> Severity | None:
+    """Return the severity of paths that are found or may be.
+
+    Letters of a file that is found are a note about other machines; so are its blanks in a package of ROS 1, for its libcurl.
+    """
     is_found = all(use.resource.exists for use in problem.uses)
-    return Severity.INFO if problem.message == "letters" and is_found else None
+    is_note = problem.message == "letters" or (problem.message == "blank" and _is_for_ros1(source.package))
+    return Severity.INFO if is_note and is_found else None
+
+
+def _is_for_ros1(package: Package | None) -> bool:
+    """Whether a package is built by catkin alone."""
+    if package is None or "catkin" not in package.dependencies:
+        return False
+    return not package.depends_on_ament and not read_build_type(package.root).startswith("ament_")
 
 
 def _propose_edits(use: ResourceUse, source: Source) -> tuple[Edit, ...]:

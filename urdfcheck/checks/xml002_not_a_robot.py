@@ -11,6 +11,7 @@ from urdfcheck.source.model_role import explain_joint_to_elsewhere
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.tokens import build_rename_edits
+from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
 
 
 def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
@@ -44,9 +45,17 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         # unknown.
         hangs = source.is_xacro and source.root is not None and bool(explain_joint_to_elsewhere(source.root))
         if not source.is_part and source.root is not None and not hangs:
-            yield rule.finding("unnamed", at=root, severity=Severity.WARNING if source.is_xacro else None)
+            yield rule.finding("unnamed", at=root, severity=_grade_unnamed(source))
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
+
+
+def _grade_unnamed(source: Source) -> Severity | None:
+    """Return the severity of a robot without a name; a xacro beside those that files of the package name is a kept part."""
+    if not source.is_xacro:
+        return None
+    is_kept = is_certainly_left_aside(source) or find_deploying_script(source) is not None
+    return Severity.INFO if is_kept else Severity.WARNING
 
 
 def _describe_consequences(tag: str) -> dict[str, str]:

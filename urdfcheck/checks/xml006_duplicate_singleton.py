@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import iter_urdf_elements, list_repeated_children
+from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements, list_repeated_children
 from urdfcheck.source.text.tokens import build_removal_edits
+from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
 
 # MuJoCo ignores these, and does not reject two of them.
 _UNSEEN_BY_MUJOCO = frozenset({"safety_controller", "calibration", "texture"})
+_OF_PARTS = (
+    "delete what is left over; if each is the mass of another part of the link, write one <inertial> for all of them, "
+    "or give each part its own link at a fixed joint"
+)
+# What every program takes for an attribute that is left out.
+_DEFAULTS: Mapping[str, Mapping[str, object]] = {"origin": {"xyz": (0.0, 0.0, 0.0), "rpy": (0.0, 0.0, 0.0)}}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -27,7 +34,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     identical = all(_build_content_key(other) == content for other in same[1:])
     is_rest_empty = not _is_empty(first) and all(map(_is_empty, same[1:]))
     message = "identical" if identical else "empty" if is_rest_empty else "repeated"
-    message = "shapes" if element.tag == "geometry" else message
+    message = "shapes" if element.tag == "geometry" and not identical else message
     # urdfdom reads only the first: deleting the others changes nothing there. Of equal ones the innermost macro's is kept, for
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
@@ -48,6 +55,8 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         if second.tag == "geometry"
         else "merge them, for each has what the others lack, or delete what is left over"
         if _can_merge(same)
+        else _OF_PARTS
+        if second.tag == "inertial"
         else f"delete the wrong <{second.tag}>",
     )
 
@@ -76,15 +85,20 @@ def _is_empty(element: Element) -> bool:
 def _describe_mujoco_behaviour(element: Element, second: Element) -> str:
     if second.tag in _UNSEEN_BY_MUJOCO:
         return "ignores all of them"
-    if element.tag == "visual" and second.tag != "material":
+    is_drawn = element.tag == "geometry" and element.parent is not None and element.parent.tag == "visual"
+    if is_drawn or (element.tag == "visual" and second.tag != "material"):
         return 'ignores visuals; with discardvisual="false" it refuses the file'
     return "refuses the file (repeated element)"
 
 
 def _build_content_key(element: Element) -> tuple[object, ...]:
-    """Return the contents of an element in comparable form."""
-    attributes = sorted((name, " ".join(a.value.split())) for name, a in element.attributes.items())
-    return element.tag, tuple(attributes), tuple(_build_content_key(child) for child in element.children)
+    """Return the contents of an element in comparable form: `.1` is 0.1, and an origin without `rpy` turns nothing."""
+    sizes = NUMERIC_ATTRIBUTES.get(element.tag, {})
+    values = dict(_DEFAULTS.get(element.tag, {}))
+    for name, attribute in element.attributes.items():
+        words = " ".join(attribute.value.split())
+        values[name] = (parse_numbers(words, sizes[name]) or words) if name in sizes else words
+    return element.tag, frozenset(values.items()), tuple(_build_content_key(child) for child in element.children)
 
 
 def _describe_owner(element: Element) -> str:

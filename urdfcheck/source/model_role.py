@@ -9,7 +9,14 @@ from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_tex
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.file_contents import can_stand_alone, defines_macros, has_parts, is_include
+from urdfcheck.source.xacro.file_contents import (
+    can_have_name,
+    can_stand_alone,
+    defines_macros,
+    has_parts,
+    is_include,
+    may_make_links,
+)
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
 
 # A library of macros may include those of a package that is not installed here.
@@ -71,7 +78,7 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
             return FRAGMENT
         return LIBRARY if is_part or is_tentative or _is_library(source) else MODEL
     if not is_part:
-        return MODEL
+        return FRAGMENT if source.is_xacro and _has_only_joints(source.main_tree) else MODEL
     elsewhere = explain_joint_to_elsewhere(root)
     reason = _explain_incompleteness(root, elsewhere)
     return ModelRole("part", reason, has_whole_links=not elsewhere) if reason else MODEL
@@ -102,6 +109,8 @@ def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
     kinds = {problem.kind for problem in source.problems}
     if tree is None or kinds.isdisjoint(_FOR_WANT_OF_CONTEXT):
         return MODEL
+    if _has_only_joints(tree):
+        return FRAGMENT
     may_have_name = can_stand_alone(tree)
     if not may_have_name and _PACKAGE_MISSING in kinds and defines_macros(tree) and not has_parts(tree):
         return LIBRARY
@@ -110,6 +119,13 @@ def _find_unexpanded_role(source: Source, *, is_part: bool) -> ModelRole:
         if is_part
         else MODEL
     )
+
+
+def _has_only_joints(tree: Element | None) -> bool:
+    """Whether a file without a robot's name has joints and nothing that could make the links which they join."""
+    if tree is None or tree.tag != "robot" or can_have_name(tree):
+        return False
+    return any(child.tag == "joint" for child in tree.children) and not any(map(may_make_links, tree.walk()))
 
 
 def has_unprefixed_calls(source: Source, root: Element) -> bool:

@@ -15,9 +15,11 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import iter_package_texts, read_package_texts
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
+from urdfcheck.source.xacro.file_contents import can_have_name
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,
@@ -30,6 +32,7 @@ from urdfcheck.system.files import read_regular, walk
 # Files that a xacro file can include. Larger ones are expanded models or data, in which expressions are not written.
 _INCLUDED_SUFFIXES = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
 _MAX_BYTES = 500_000
+_SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
 # Files that hand arguments to a xacro file: launch files, tests and build files.
 _CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
 # Beyond this many files the search stops, and it is unknown which definitions are used.
@@ -229,6 +232,27 @@ def name_other_models_only(texts: Iterable[str], own: str) -> bool:
             return False
         names_any |= bool(named)
     return names_any
+
+
+def find_deploying_script(source: Source) -> Path | None:
+    """Return a script of the project that names a xacro file whose robot has no name: it puts the part into a model elsewhere.
+
+    Only of a file in no package; no program loads a robot without a name.
+    """
+    tree = source.main_tree
+    if source.package is not None or not source.is_xacro or tree is None or can_have_name(tree):
+        return None
+    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    for here, names, files in walk(find_project_folder(source.path)):
+        names[:] = [name for name in names if not name.startswith(".")]
+        for path in (Path(here, name) for name in sorted(files) if name.endswith(_SCRIPT_SUFFIXES)):
+            try:
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace") if source.finder.can_open(path) else ""
+            except OSError:
+                continue
+            if own.search(text):
+                return path
+    return None
 
 
 def is_kept_output(source: Source) -> bool:

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from urdfcheck.source.launch.launch_file import Launch
 
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
+_GAZEBO_CLASSIC = re.compile(r"gazebo_ros2_control/")
+_PID = "_pid"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _PREFIX = re.compile(r"^\$(?:\{[^}]*\}|\([^)]*\))")
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
@@ -170,7 +172,7 @@ def can_offer_with_other_arguments(model: Model, joint: str, interface: str) -> 
     An argument is its interface's name, a condition leaves out what is typed in the joint's block, or a file that the model can
     include has a block with the joint and the interface that this expansion leaves out.
     """
-    typed = re.compile(rf"""<command_interface\s[^<>]*?name\s*=\s*["']{re.escape(interface)}["']""")
+    typed = re.compile(rf"""<command_interface\s[^<>]*?name\s*=\s*["']{re.escape(interface)}({_PID})?["']""")
     blocks = model.robot.find_children("ros2_control")
     for component in (one for block in blocks for one in block.find_children("joint") if one.get("name") == joint):
         names = [e.attributes["name"] for e in component.find_children("command_interface") if "name" in e.attributes]
@@ -195,7 +197,8 @@ def _collect_left_out_interfaces(model: Model, joint: str) -> set[str]:
     blocks = (e for tree, _ in read_included_trees(model.source.path, model.source.finder) for e in tree.walk())
     typed = (e for block in blocks if block.tag == "ros2_control" for e in block.walk() if e.tag == "joint")
     fitting = (e for e in typed if e.span not in used and _may_be_named(e.get("name").strip(), joint))
-    return {inner.get("name") for e in fitting for inner in e.walk() if inner.tag == "command_interface"}
+    names = {inner.get("name") for e in fitting for inner in e.walk() if inner.tag == "command_interface"}
+    return names | {name.removesuffix(_PID) for name in names}
 
 
 def _may_be_named(typed: str, name: str) -> bool:
@@ -212,7 +215,18 @@ def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str
     if not blocks:
         return None
     offered: dict[str, set[str]] = {}
-    for component in (component for block in blocks for tag in tags for component in block.find_children(tag)):
+    pairs = ((block, one) for block in blocks for tag in tags for one in block.find_children(tag))
+    for control, component in pairs:
         names = {element.get("name") for element in component.find_children(f"{role}_interface")}
+        if _is_of_gazebo_classic(control):
+            names = {name.removesuffix(_PID) for name in names}
         offered.setdefault(component.get("name"), set()).update(names)
     return offered
+
+
+def _is_of_gazebo_classic(block: Element) -> bool:
+    """Whether the hardware of a ``<ros2_control>`` block is that of gazebo_ros2_control.
+
+    It exports `position_pid` as `position`, and `velocity_pid` as `velocity`: the suffix only says how it follows them.
+    """
+    return any(element.tag == "plugin" and _GAZEBO_CLASSIC.match(element.text.strip()) for element in block.walk())

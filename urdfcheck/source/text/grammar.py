@@ -139,6 +139,11 @@ def is_attribute_missing(element: Element, name: str) -> bool:
     )
 
 
+def list_attributes_as_children(element: Element) -> list[Element]:
+    """Return the children of an element that have the name of a number which it holds as an attribute, as in SDF."""
+    return [child for child in element.children if child.tag in NUMERIC_ATTRIBUTES.get(element.tag, {})]
+
+
 def iter_urdf_elements(robot: Element) -> Iterator[Element]:
     """Yield the elements of a robot that the reference parser reads, in document order; extensions are left out."""
     return iter(_list_urdf_elements(robot))

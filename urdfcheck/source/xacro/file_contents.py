@@ -39,15 +39,26 @@ def defines_macros(root: Element | None) -> bool:
 
 def can_stand_alone(root: Element | None) -> bool:
     """Whether a xacro file that others include can be a model too: its robot may have a name, and more than macros."""
-    return root is None or (_may_have_name(root) and not has_only_macros(root))
+    return root is None or (can_have_name(root) and not has_only_macros(root))
 
 
-def _may_have_name(root: Element) -> bool:
+def can_have_name(root: Element) -> bool:
+    """Whether a robot has a name, or xacro may give it one."""
     return "name" in root.attributes or any(element.tag == "xacro:attribute" for element in _iter_top_level(root))
 
 
 def _makes_parts(element: Element) -> bool:
     return element.tag in {"link", "joint"} or (element.tag.startswith("xacro:") and element.tag not in _SILENT_TAGS)
+
+
+def may_make_links(element: Element) -> bool:
+    """Whether an element is a link, in any spelling, or stands for elements from elsewhere: an include or a call."""
+    is_call = element.tag.startswith("xacro:") and element.tag not in _SILENT_TAGS
+    return (element.tag.lower() == "link" and _is_top(element)) or is_call or is_include(element)
+
+
+def _is_top(element: Element) -> bool:
+    return element.parent is None or element.parent.tag == "robot" or element.parent.tag.startswith("xacro:")
 
 
 def _iter_top_level(root: Element) -> Iterator[Element]:
