@@ -45,7 +45,7 @@ class CollisionGeometry:
     """(F, 3) of a mesh."""
     closed: bool = False
     """Whether a mesh is closed."""
-    coal_shapes: dict[float, Any] = field(default_factory=dict, repr=False)
+    coal_shapes: dict[float, Any] = field(default_factory=dict, init=False, repr=False)
     """What coal made of it for `collision`, by the unit of length (m): trees of large meshes take as long as many queries."""
 
     @property
