@@ -21,6 +21,7 @@ from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,
+    find_computed_arguments,
     find_expression_names,
     iter_elements_by_tag,
     strip_namespace,
@@ -61,6 +62,8 @@ class XacroMentions:
     """Macros that are called, with expressions as typed."""
     arguments: set[str] = field(default_factory=set)
     """Arguments that are read, declared or passed."""
+    computed_arguments: set[str] = field(default_factory=set)
+    """Names of arguments that are computed where they are read, as typed."""
     complete: bool = True
     """Whether all files were searched."""
 
@@ -95,6 +98,7 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
                 mentions.names.update(found.names)
                 mentions.macros.update(found.macros)
                 mentions.arguments.update(found.arguments)
+                mentions.computed_arguments.update(found.computed_arguments)
     return mentions
 
 
@@ -294,6 +298,7 @@ def _find_mentions(text: str, is_included: bool, is_caller: bool) -> XacroMentio
         mentions.macros.update(map(strip_namespace, _CALLED.findall(text)))
         mentions.macros.update(map(strip_namespace, _CALLED_BY_NAME.findall(text)))
         mentions.arguments.update(mentions.names, ARGUMENT.findall(text), _DECLARED.findall(text))
+        mentions.computed_arguments.update(find_computed_arguments(text))
     if is_caller:
         mentions.arguments.update(_PASSED.findall(text))
     return mentions
