@@ -127,6 +127,15 @@ def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> Non
     assert models(".") == ["r.urdf.xacro"]
 
 
+def test_settings_of_eclipse_are_no_launch_file_of_ros(workspace: Path) -> None:
+    """Eclipse, and tools that are built on it, such as STM32CubeIDE, keep how to start a program in files of this name."""
+    text = '<?xml version="1.0"?>\n<launchConfiguration type="com.st.debug"><stringAttribute key="a" value="0"/></launchConfiguration>'
+    write(workspace, {"board/car Debug.launch": text, "board/car.launch": "<launch/>"})
+    assert [path.as_posix() for path in planned(".").launches] == ["board/car.launch"]
+    assert (planned(".").missing, planned(".").left_out) == ((), ())
+    assert [path for path, _ in planned("board/car Debug.launch").missing] == ["board/car Debug.launch"]
+
+
 def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path) -> None:
     text = '<launch><param name="a" value="$(find <your-package>)/b"/></launch>'
     write(workspace, {"a_template.launch": text, "kept.urdf": URDF})

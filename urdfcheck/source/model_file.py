@@ -36,6 +36,9 @@ _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
+_SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
+_OF_ROS = re.compile(r"<(?:launch|node|include|param|rosparam|arg|group|robot)[\s>/]")
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
 # and "<your-package>" in a value.
@@ -186,6 +189,11 @@ def is_blank(text: str) -> bool:
     """Whether a text in XML holds nothing, or nothing but comments."""
     body = _DECLARATION.sub("", text.lstrip("\ufeff"), count=1).lstrip()
     return not body or (body.startswith("<!--") and not _COMMENT.sub("", body).strip())
+
+
+def is_foreign_launch(text: str) -> bool:
+    """Whether the text of a launch file in XML is another tool's: Eclipse, and what is built on it, keep their settings so."""
+    return _SETTINGS.match(_DECLARATION.sub("", text.lstrip("\ufeff"), count=1)) is not None and not _OF_ROS.search(text)
 
 
 def find_file_names(text: str) -> list[str]:
