@@ -129,7 +129,8 @@ def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> Non
 
 def test_settings_of_eclipse_are_no_launch_file_of_ros(workspace: Path) -> None:
     """Eclipse, and tools that are built on it, such as STM32CubeIDE, keep how to start a program in files of this name."""
-    text = '<?xml version="1.0"?>\n<launchConfiguration type="com.st.debug"><stringAttribute key="a" value="0"/></launchConfiguration>'
+    inner = '<stringAttribute key="a" value="0"/>'
+    text = f'<?xml version="1.0"?>\n<launchConfiguration type="com.st.debug">{inner}</launchConfiguration>'
     write(workspace, {"board/car Debug.launch": text, "board/car.launch": "<launch/>"})
     assert [path.as_posix() for path in planned(".").launches] == ["board/car.launch"]
     assert (planned(".").missing, planned(".").left_out) == ((), ())

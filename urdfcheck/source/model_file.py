@@ -193,7 +193,9 @@ def is_blank(text: str) -> bool:
 
 def is_foreign_launch(text: str) -> bool:
     """Whether the text of a launch file in XML is another tool's: Eclipse, and what is built on it, keep their settings so."""
-    return _SETTINGS.match(_DECLARATION.sub("", text.lstrip("\ufeff"), count=1)) is not None and not _OF_ROS.search(text)
+    return _SETTINGS.match(_DECLARATION.sub("", text.lstrip("\ufeff"), count=1)) is not None and not _OF_ROS.search(
+        text
+    )
 
 
 def find_file_names(text: str) -> list[str]:

@@ -34,7 +34,9 @@ _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "
 FORWARDED = re.compile(r"""(?<![^\s:="'])([^\s:="']+)\s*:?=\s*\^""")
 ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 # The same with a computed name, `$(arg tof_${index}_xyz)`: xacro evaluates the name first. And what is computed in it.
-_COMPUTED_ARGUMENT = re.compile(r"\$\(arg\s+((?:[^\s(){}$]|\$\{[^{}]*\})*\$\{[^{}]*\}(?:[^\s(){}$]|\$\{[^{}]*\})*)\s*\)")
+_COMPUTED_ARGUMENT = re.compile(
+    r"\$\(arg\s+((?:[^\s(){}$]|\$\{[^{}]*\})*\$\{[^{}]*\}(?:[^\s(){}$]|\$\{[^{}]*\})*)\s*\)"
+)
 _COMPUTED_PART = re.compile(r"\$\{[^{}]*\}")
 _PARAMETER = re.compile(r"\$\{\s*(\w+)\s*\}")
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
