@@ -1229,6 +1229,43 @@ def test_value_that_another_file_replaces(tmp_path: Path, main: str, message: st
     assert [f.message_id for f in findings] == ([message] if message else [])
 
 
+@pytest.mark.parametrize(
+    ("inside", "repair"),
+    [
+        ('<xacro:macro name="m" params=""><link name="m${a}"/></xacro:macro>', "set it after the include"),
+        ('<link name="m${a}"/>', "delete this line"),
+        ('<xacro:property name="b" value="${2 * a}"/><link name="m${b}"/>', "delete this line"),
+    ],
+)
+def test_a_value_that_an_include_replaces_can_only_count_later_in_its_macros(
+    tmp_path: Path, inside: str, repair: str
+) -> None:
+    write(
+        tmp_path,
+        {"a.xacro": HEAD + prop("a", "2") + inside + "</robot>", "package.xml": "<package><name>p</name></package>"},
+    )
+    main = prop("a", "1") + '<xacro:include filename="a.xacro"/><link name="l${a}"/>'
+    (finding,) = xacro(tmp_path, main, {"XAC008"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "is_same"),
+    [
+        ("3.14159", "3.1415926535897931", True),
+        ("3.1415926535897931", "3.14159", True),
+        ("3.14160", "3.1415926535897931", False),
+        ("3.14", "3.1415926535897931", False),
+        ("0.30000", "0.30000004", True),
+        ("4", "4.2", False),
+    ],
+)
+def test_a_rounded_value_is_the_same(tmp_path: Path, one: str, other: str, is_same: bool) -> None:
+    text = prop("a", one) + "\n" + prop("a", other) + "<link name=\"l_${python.len('a')}\"/>"
+    assert len(xacro(tmp_path, text, {"XAC008"}).findings) == (not is_same)
+
+
 def test_files_that_replace_each_others_value_in_turn_are_one_clash(tmp_path: Path) -> None:
     inner = HEAD + prop("a", "2") + "</robot>"
     outer = HEAD + '<xacro:include filename="inner.xacro"/>' + prop("a", "1") + "</robot>"
