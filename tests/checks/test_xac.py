@@ -1097,6 +1097,38 @@ def test_robot_of_includes_without_the_prefix_is_a_model_and_they_are_its_parts(
     assert [f.code for f in run.findings if f.severity == Severity.ERROR] == expected
 
 
+@pytest.mark.parametrize(
+    ("launched", "extra", "severity", "repair"),
+    [
+        ("robot.urdf.xacro", "", Severity.WARNING, "delete this file if nothing needs it; else include parts.xacro"),
+        ("car.urdf.xacro", "", Severity.ERROR, "include parts.xacro"),
+        ("$(arg model).urdf.xacro", "", Severity.ERROR, "include parts.xacro"),
+        (
+            "robot.urdf.xacro",
+            '<link name="o"/>',
+            Severity.WARNING,
+            "delete this file if nothing needs it; else correct",
+        ),
+    ],
+)
+def test_a_file_that_lacks_a_macro_and_that_no_file_names_is_a_warning(
+    tmp_path: Path, launched: str, extra: str, severity: Severity, repair: str
+) -> None:
+    """A whole robot that defines the macro is nothing to include."""
+    load = f'<param name="robot_description" command="xacro $(find car)/urdf/{launched}"/>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f"<launch>{load}</launch>",
+        "urdf/robot.urdf.xacro": HEAD + '<link name="b"/></robot>',
+        "urdf/parts.xacro": HEAD + WHEEL + extra + "</robot>",
+        "urdf/car.urdf.xacro": HEAD + '<link name="b"/><xacro:wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
     files = {
         "package.xml": "<package><name>car</name></package>",

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.discover import discover_targets
-from urdfcheck.source.model_file import ModelFile
+from urdfcheck.source.model_file import ModelFile, names_file
 from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import ModelTarget, Plan
@@ -1042,3 +1042,21 @@ def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkey
     write(workspace, {"a.xacro": xacro(include("b.xacro"), "")})
     assert len(models("b.xacro")) == 1
     assert len(parsed) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("$(find arm)/urdf/hand.xacro", True),
+        ("$(find-pkg-share arm)/urdf/hand.xacro", True),
+        ("package://arm/urdf/hand.xacro", True),
+        ("$(find other)/urdf/hand.xacro", False),
+        ("$(find $(arg p))/urdf/hand.xacro", True),
+        ("../urdf/hand.xacro", True),
+        ("left_hand.xacro", False),
+        ("<!-- $(find arm)/urdf/hand.xacro -->", False),
+        ("$(find other)/urdf/hand.xacro hand.xacro", True),
+    ],
+)
+def test_a_text_names_a_file_of_its_package_outside_comments(text: str, named: bool) -> None:
+    assert names_file(text, "hand.xacro", "arm") is named

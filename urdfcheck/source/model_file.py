@@ -35,6 +35,10 @@ _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?link\s*=\s*["']([^"']*)["'
 _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
+# The package in which a path is, and its folders, as they precede the name of a file.
+_FOLDERS = (
+    r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/)?(?:[\w.-]+/)*"""
+)
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
 _SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
@@ -201,6 +205,20 @@ def is_foreign_launch(text: str) -> bool:
 def find_file_names(text: str) -> list[str]:
     """Return what looks like the name of a file in a text; of a name with blanks, its last word."""
     return _FILE_NAME.findall(text)
+
+
+def names_file(text: str, name: str, package: str) -> bool:
+    """Whether a text names a file of a package outside its comments in XML.
+
+    ``$(find other)/urdf/camera.xacro`` names a file of another package.
+    """
+    if name not in text:
+        return False
+    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", _COMMENT.sub("", text)):
+        owner = match[1] or match[2] or match[3]
+        if not owner or not package or owner == package or "$" in owner:
+            return True
+    return False
 
 
 def _parse(source: SourceFile | None) -> Element | None:

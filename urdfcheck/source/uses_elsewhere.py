@@ -5,6 +5,7 @@ A definition that no file of the model uses may be used by another model of the 
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
@@ -13,6 +14,7 @@ from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
+from urdfcheck.source.model_file import names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import iter_package_texts, read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
@@ -43,6 +45,8 @@ _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # A name that a file computes may be that of any model.
 _COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
+# What is typed of such a name behind the part that is computed: `${side}_arm.xacro`, `side + "_arm.xacro"`.
+_COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""")
 # What xacro says of a name or a macro that is not defined, and the definitions of a file.
 _LACKING = re.compile(r"name '([^']+)' is not defined|unknown macro name: (\S+)")
 _DEFINED = re.compile(r"""<xacro:(?:arg|property|macro)\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
@@ -233,6 +237,35 @@ def name_other_models_only(texts: Iterable[str], own: str) -> bool:
             return False
         names_any |= bool(named)
     return names_any
+
+
+@lru_cache(maxsize=1)
+def is_named_nowhere(source: Source) -> bool:
+    """Whether no file of the model's package, or of one that names the package, names the model's file outside comments.
+
+    False without a package, and where a file computes such a name.
+    """
+    if source.package is None:
+        return False
+    for folder, package_name in _iter_using_folders(source):
+        if package_name and not source.finder.can_open(folder):
+            if has_dependency_entry(folder, package_name):
+                return False
+            continue
+        for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
+            if path.absolute() == source.path.absolute() or not source.finder.can_open(path):
+                continue
+            try:
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
+            except OSError:
+                continue
+            if package_name in text and (
+                names_file(text, source.path.name, source.package.name)
+                or _COMPUTED_FILE.search(text)
+                or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
+            ):
+                return False
+    return True
 
 
 def is_kept_output(source: Source) -> bool:
