@@ -50,8 +50,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
         )
-        # Where it is started the model has a value: only here nothing is known of it. And what nothing starts needs none.
-        is_error = passing is None and not is_aside
+        # Where it is started the model has a value: only here nothing is known of it. And what nothing starts needs none, nor
+        # does a piece of a robot, which the file that includes it gives one.
+        is_error = passing is None and not is_aside and not _is_nameless(source)
         yield finding if is_error else replace(finding, severity=Severity.WARNING, blocks_check=True)
 
 
@@ -66,6 +67,12 @@ def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             "early", at=attribute, related=[declared], severity=Severity.INFO, argument=name, default=default
         )
+
+
+def _is_nameless(source: Source) -> bool:
+    """Whether no program takes a file for a robot: its <robot> has no name."""
+    root = source.main_tree
+    return root is not None and root.tag == "robot" and "name" not in root.attributes
 
 
 def _describe_repair(source: Source, at: Location, name: str, options: str, *, is_declared: bool) -> str:
