@@ -133,6 +133,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
         # A piece that lacks what another file of its package defines was left out of the model: no program loads it.
         is_left_out = bool(report.data.get("defining")) and _is_unused(source)
+        is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
         is_left_out |= source.package is not None and is_kept_aside(source.path, source.package.path)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
 
@@ -377,6 +378,13 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
     typed = None if call is None else call.attributes.get(name)
     macro = collect_macros(failure.source.trees).get(failure.macro)
     parameters = () if macro is None else macro.parameters
+    owner = None if call is None else _find_foreign_namespace(call, name)
+    if owner is not None:
+        prefix = name.partition(":")[0]
+        at = None if typed is None or call is None else _locate_in_call(failure, typed.location)
+        return _build_report(
+            failure, "parameter-foreign", at=at, macro=failure.macro, name=name, prefix=prefix, owner=owner
+        )
     return _build_report(
         failure,
         "parameter-unknown",
@@ -387,6 +395,18 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
         takes=join_names(parameters) or "none",
         hint=format_name_hint(name, set(parameters) - (set() if call is None else call.attributes.keys())),
     )
+
+
+def _find_foreign_namespace(call: Element, name: str) -> str | None:
+    """Return the namespace of an attribute whose prefix is declared and is not xacro's: another program reads it."""
+    prefix, colon, _ = name.partition(":")
+    around: Element | None = call if colon and prefix not in {"xacro", "xml", "xmlns"} else None
+    while around is not None:
+        declared = around.get(f"xmlns:{prefix}").strip()
+        if declared:
+            return None if "xacro" in declared else declared
+        around = around.parent
+    return None
 
 
 def _explain_block_mismatch(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
