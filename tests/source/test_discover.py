@@ -1051,6 +1051,8 @@ def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkey
         ("$(find-pkg-share arm)/urdf/hand.xacro", True),
         ("package://arm/urdf/hand.xacro", True),
         ("$(find other)/urdf/hand.xacro", False),
+        ("$(find arm)/urdf/old/hand.xacro", False),
+        ("$(find arm)/$(arg kind)/hand.xacro", True),
         ("$(find $(arg p))/urdf/hand.xacro", True),
         ("../urdf/hand.xacro", True),
         ("left_hand.xacro", False),
@@ -1059,4 +1061,4 @@ def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkey
     ],
 )
 def test_a_text_names_a_file_of_its_package_outside_comments(text: str, named: bool) -> None:
-    assert names_file(text, "hand.xacro", "arm") is named
+    assert names_file(text, "urdf/hand.xacro", "arm") is named

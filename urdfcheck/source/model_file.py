@@ -37,7 +37,7 @@ _ROBOT = re.compile(r"<robot[\s>]")
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
 # The package in which a path is, and its folders, as they precede the name of a file.
 _FOLDERS = (
-    r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/)?(?:[\w.-]+/)*"""
+    r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/)?((?:[\w.-]+/)*)"""
 )
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
@@ -207,16 +207,20 @@ def find_file_names(text: str) -> list[str]:
     return _FILE_NAME.findall(text)
 
 
-def names_file(text: str, name: str, package: str) -> bool:
-    """Whether a text names a file of a package outside its comments in XML.
+def names_file(text: str, inside: str, package: str) -> bool:
+    """Whether a text names a file of a package, given by its path in it, outside comments in XML.
 
-    ``$(find other)/urdf/camera.xacro`` names a file of another package.
+    ``$(find other)/urdf/camera.xacro`` names a file of another package, and ``$(find own)/urdf/camera.xacro`` that of this folder
+    alone.
     """
+    name = inside.rpartition("/")[2]
     if name not in text:
         return False
     for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", _COMMENT.sub("", text)):
         owner = match[1] or match[2] or match[3]
-        if not owner or not package or owner == package or "$" in owner:
+        if not owner or not package or "$" in owner:
+            return True
+        if owner == package and match[4] + name == inside:
             return True
     return False
 

@@ -6,6 +6,7 @@ A definition that no file of the model uses may be used by another model of the 
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
@@ -247,6 +248,7 @@ def is_named_nowhere(source: Source) -> bool:
     """
     if source.package is None:
         return False
+    inside = Path(os.path.relpath(source.path.absolute(), source.package.path)).as_posix()
     for folder, package_name in _iter_using_folders(source):
         if package_name and not source.finder.can_open(folder):
             if has_dependency_entry(folder, package_name):
@@ -260,7 +262,7 @@ def is_named_nowhere(source: Source) -> bool:
             except OSError:
                 continue
             if package_name in text and (
-                names_file(text, source.path.name, source.package.name)
+                names_file(text, inside, source.package.name)
                 or _COMPUTED_FILE.search(text)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
             ):

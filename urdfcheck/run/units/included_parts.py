@@ -105,9 +105,10 @@ def assign_parts(
 
 def _blame_user(part: Unit, report: UnitReport, failed: Sequence[UnitReport]) -> tuple[Finding, ...]:
     """Return the findings of a part that was not checked; a failed model that names its file is why no model includes it."""
-    name, package = Path(part.path).name, load_package(_find_home(Path(part.path)))
-    own = "" if package is None else package.name
-    users = (f.info.path for f in failed if f.info and any(names_file(t, name, own) for t in f.sources.values()))
+    home = _find_home(Path(part.path))
+    package = load_package(home)
+    own, inside = "" if package is None else package.name, Path(os.path.relpath(part.path, home)).as_posix()
+    users = (f.info.path for f in failed if f.info and any(names_file(t, inside, own) for t in f.sources.values()))
     user = next(users, None)
     if user is None:
         return report.findings
