@@ -13,7 +13,6 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
 from urdfcheck.model.use.other_programs import find_attaching_program, is_named_in_package
-from urdfcheck.model.use.started_variants import is_started_with_defaults, list_started_variants
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
@@ -83,6 +82,11 @@ def _build_started_finding(
 
     Every file that starts the model passes values with which the link exists.
     """
+    from urdfcheck.model.use.started_variants import (
+        is_started_with_defaults,
+        list_started_variants,
+    )  # few models need it
+
     variants = [v for v in list_started_variants(model.source) if not v.contradicts_model]
     makes_link = [v for v in variants if v.names is not None and called in v.names["link"]]
     if not variants or len(makes_link) < len(variants) or is_started_with_defaults(model.source):

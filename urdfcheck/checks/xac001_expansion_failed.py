@@ -299,7 +299,7 @@ def _is_unused(source: Source) -> bool:
 def _describe_include(source: Source, files: Sequence[str], otherwise: str, clause: str = "") -> str:
     """Say where what is missing comes from: a piece of a robot gets it from the file that includes both.
 
-    A whole robot is nothing to include.
+    A whole robot is not proposed.
     """
     robots = [name for name in files if _is_robot(source, name)]
     listed = " or ".join(name for name in files if name not in robots)

@@ -13,7 +13,6 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
-from urdfcheck.model.use.started_variants import list_started_variants
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.system.files import read_regular, walk
@@ -49,6 +48,8 @@ class PackageNames:
 
         What cannot be expanded with them may have any.
         """
+        from urdfcheck.model.use.started_variants import list_started_variants  # only an unknown name asks for it
+
         variants = (variant.names for variant in list_started_variants(self.model.source))
         return any(names is None or name in names[kind] for names in variants)
 

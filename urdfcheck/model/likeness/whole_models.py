@@ -69,7 +69,7 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
 def find_joints_elsewhere(source: Source) -> Path | None:
     """Return the file of the repository with the joints between the links of a file that has links only, or None.
 
-    Such a file has no link of its own, and its joints name no other links.
+    Such a file has no links, and its joints name no others.
     """
     root = source.root
     links = set() if root is None else {e.get("name") for e in root.find_children("link")}
