@@ -1624,3 +1624,30 @@ def test_a_property_of_itself_is_to_be_deleted(tmp_path: Path, defined: bool) ->
     assert own.fix is not None
     assert own.fix.title.startswith("delete it")
     assert [edit.replacement for edit in own.fix.edits] == [""]
+
+
+@pytest.mark.parametrize(
+    ("launch", "name", "severity", "passing"),
+    [
+        ("", ' name="r"', Severity.ERROR, False),
+        ("", "", Severity.WARNING, False),  # a piece: the robot that includes it gives it a value
+        ("xacro $(find car)/urdf/car.urdf.xacro side:=$(env SIDE)", ' name="r"', Severity.WARNING, True),
+        # The name of another file ends with this one's.
+        ("xacro $(find car)/urdf/real_car.urdf.xacro side:=$(env SIDE)", ' name="r"', Severity.WARNING, False),
+        ("xacro $(find car)/urdf/ca$(env KIND).urdf.xacro side:=$(env SIDE)", ' name="r"', Severity.WARNING, True),
+        ("xacro $(find car)/urdf/ca$(env KIND).urdf.xacro", ' name="r"', Severity.ERROR, False),
+    ],
+)
+def test_an_argument_is_missing_where_the_model_is_started(
+    tmp_path: Path, launch: str, name: str, severity: Severity, passing: bool
+) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f'<launch><param name="robot_description" command="{launch}"/></launch>',
+        "urdf/real_car.urdf.xacro": HEAD + BASE + "</robot>",
+        "urdf/car.urdf.xacro": HEAD.replace(' name="r"', name) + '<link name="$(arg side)"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC010"}))
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing

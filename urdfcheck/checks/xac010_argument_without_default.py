@@ -10,7 +10,7 @@ from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.uses_elsewhere import is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_nowhere
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
@@ -31,11 +31,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
-        is_aside = passing is None and is_certainly_left_aside(source)
+        is_aside = passing is None and is_named_nowhere(source) and is_certainly_left_aside(source)
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
-        elif is_aside:
-            repair += "; or delete the file, if nothing needs it: the files of the package name other models only"
         finding = rule.finding(
             "too-late" if declared else "missing",
             at=at,
