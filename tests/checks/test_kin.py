@@ -782,3 +782,38 @@ def test_a_link_and_its_joint_that_are_there_twice_are_a_copy(tmp_path: Path) ->
     assert [f.fix.title for f in run.findings if f.fix and f.location.subject.startswith("link")] == [
         "delete one with its joint j if it is a copy, or rename both"
     ]
+
+
+@pytest.mark.parametrize(
+    ("passed", "expected"),
+    [
+        ({"a": '{"frame": "true"}'}, "default"),
+        ({"a": '{"frame": "true", "speed": "2"}', "b": '{"frame": "true"}'}, "default"),
+        ({"a": '{"frame": "true"}', "b": "{}"}, "unknown"),  # this one fails
+        ({"a": '{"frame": "true"}', "b": '{"speed": "2"}'}, "unknown"),
+        ({"a": '{"speed": "2"}'}, "unknown"),
+        ({}, "unknown"),
+    ],
+)
+def test_a_link_that_all_launch_files_make_lacks_in_the_defaults_only(
+    tmp_path: Path, passed: dict[str, str], expected: str
+) -> None:
+    body = (
+        '<xacro:arg name="frame" default="false"/><xacro:arg name="speed" default="1"/><link name="base"/>'
+        '<xacro:if value="$(arg frame)"><link name="frame"/>' + joint("to_frame", "base", "frame") + "</xacro:if>"
+        '<link name="tool"/>' + joint("to_tool", "frame", "tool")
+    )
+    launches = {
+        f"launch/{name}.launch.py": "share = get_package_share_directory('arm')\n"
+        f"text = xacro.process_file(os.path.join(share, 'urdf', 'arm.urdf.xacro'), mappings={mappings})\n"
+        for name, mappings in passed.items()
+    }
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "urdf/arm.urdf.xacro": f'<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>',
+        **launches,
+    }
+    (finding,) = find(tmp_path, files, "KIN002", name="urdf/arm.urdf.xacro")
+    assert finding.message_id == expected
+    if expected == "default":
+        assert "give frame the default `true`" in finding.fix.title

@@ -101,13 +101,33 @@ def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: 
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
-@pytest.mark.parametrize(("condition", "severity"), [("true", Severity.ERROR), ("$(eval 1 > 2)", Severity.WARNING)])
+@pytest.mark.parametrize(("condition", "severity"), [("true", Severity.ERROR), ("$(env SIM)", Severity.WARNING)])
 def test_a_description_that_the_launch_may_leave_out_is_a_warning(
     tmp_path: Path, condition: str, severity: Severity
 ) -> None:
     body = f'<group if="{condition}">{load("$(find car)/urdf/gone.urdf")}</group>'
     (finding,) = find_in_package(tmp_path, body, "LCH001")
     assert (finding.message_id, finding.severity) == ("file", severity)
+
+
+@pytest.mark.parametrize(
+    ("model", "reported"), [("car", False), ("$(dirname)/gone.urdf.xacro", True), ("$(env MODEL)", False)]
+)
+def test_one_of_two_descriptions_is_chosen_by_a_comparison(tmp_path: Path, model: str, reported: bool) -> None:
+    """A path is loaded as it is, and a name is looked up: only the one that the argument chooses is loaded."""
+    condition = "$(eval '/' not in model)"
+    command = '<param name="robot_description" command="$(find xacro)/xacro {}" {}="{}"/>'
+    body = f'<arg name="model" default="{model}"/>'
+    body += command.format("$(find car)/urdf/$(arg model).urdf", "if", condition)
+    body += command.format("$(arg model)", "unless", condition)
+    messages = [f.message_id for f in find_in_package(tmp_path, body, "LCH001") if f.severity > Severity.INFO]
+    assert messages == ["file"] * reported
+
+
+def test_a_path_with_an_argument_under_an_unknown_condition_is_not_judged(tmp_path: Path) -> None:
+    body = '<arg name="m" default="gone"/><param name="robot_description" textfile="$(find car)/urdf/$(arg m).urdf" if="{}"/>'
+    assert [f.message_id for f in find_in_package(tmp_path, body.format("true"), "LCH001")] == ["file"]
+    assert not find_in_package(tmp_path, body.format("$(eval exists(m))"), "LCH001")
 
 
 def test_the_own_package_is_meant_where_it_has_the_file(tmp_path: Path) -> None:
@@ -382,9 +402,9 @@ INCLUDE = '<include file="{}"/>'
         (INCLUDE.format("$(find gazebo_ros)/launch/empty_world.launch"), None),  # whether it is declared is PKG007's
         (INCLUDE.format("launch/arm.launch"), None),  # from wherever it is launched
         (f'<group if="false">{INCLUDE.format("$(dirname)/arm.launch")}</group>', None),
-        (f'<group if="$(eval 1 > 0)">{INCLUDE.format("$(dirname)/arm.launch")}</group>', None),
+        (f'<group if="$(env SIM)">{INCLUDE.format("$(dirname)/arm.launch")}</group>', None),
         (INCLUDE.format("$(find car)/launch/car.launch"), "include-circle"),
-        ('<include if="$(eval 1 > 0)" file="$(find car)/launch/car.launch"/>', None),
+        ('<include if="$(env SIM)" file="$(find car)/launch/car.launch"/>', None),
         ('<include file="$(dirname)/car.launch"><arg name="n" value="1"/></include>', "include-circle"),
     ],
 )

@@ -181,6 +181,24 @@ def test_a_package_may_be_in_a_repository_that_is_to_be_imported(tmp_path: Path,
     assert finding.fix.title.startswith(begin)
 
 
+@pytest.mark.parametrize(
+    ("command", "begin"),
+    [
+        ("git clone https://h/u/arms.git", "clone its repository, as README.md says: `git clone https://h/u/arms.git`"),
+        (
+            "git clone -b main --depth 1 git@h:u/arms",
+            "clone its repository, as README.md says: `git clone git@h:u/arms`",
+        ),
+        ("git clone https://h/u/my_arms.git", "install the package"),
+    ],
+)
+def test_a_package_may_be_in_a_repository_that_the_readme_clones(tmp_path: Path, command: str, begin: str) -> None:
+    write(tmp_path, {".git/HEAD": "", "README.md": f"```bash\n{command}\n```\n"})
+    finding = only(audit(package(tmp_path, depends="arms"), make_mesh_link("a", "package://arms/a.stl")))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(begin)
+
+
 def test_a_released_package_is_declared(tmp_path: Path) -> None:
     write(tmp_path, {".gitmodules": '[submodule "q"]\n\tpath = lib\n\turl = u\n'})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/a.stl")))

@@ -43,6 +43,49 @@ def ids(findings: Iterable[Finding]) -> list[str]:
     return [f.message_id for f in findings]
 
 
+XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+# A robot whose hand an argument chooses: the name of its joint is nowhere as it is.
+WITH_HAND = (
+    '<xacro:arg name="hand" default=""/><xacro:property name="hand" value="$(arg hand)"/>'
+    '<xacro:unless value="${hand == \'\'}"><xacro:include filename="${hand}.xml"/></xacro:unless>'
+)
+HAND = f'<robot {XACRO}><link name="finger"/>' + hinge("grip", "tool", "finger") + "</robot>"
+OF_HAND = '<group name="hand"><joint name="grip"/></group>'
+
+
+@pytest.mark.parametrize(
+    ("setting", "builder", "reported"),
+    [
+        ("", ".to_moveit_configs()", ["joint"]),
+        ("hand:=two_fingers", ".to_moveit_configs()", []),
+        ("--inorder hand:=two_fingers", ".to_moveit_configs()", []),
+        ("hand:=three_fingers", ".to_moveit_configs()", []),  # it is not here
+        ("hand:=other", ".to_moveit_configs()", ["joint"]),
+        ("", '.robot_description(mappings={"hand": "two_fingers"})', []),
+        ("", '.robot_description("config/arm.urdf.xacro", {"hand": "two_fingers"})', []),
+        ("", '.robot_description(mappings={"hand": ""})', ["joint"]),
+    ],
+)
+def test_names_that_the_robot_has_with_the_arguments_of_moveit_are_known(
+    tmp_path: Path, setting: str, builder: str, reported: list[str]
+) -> None:
+    settings = (
+        "moveit_setup_assistant_config:\n  urdf:\n    package: arm_description\n    relative_path: urdf/arm.xacro\n"
+        f"    xacro_args: {setting}\n  srdf:\n    relative_path: config/arm.srdf\n"
+    )
+    files = {
+        "arm_moveit_config/package.xml": "<package><name>arm_moveit_config</name></package>",
+        "arm_moveit_config/.setup_assistant": settings,
+        "arm_moveit_config/config/arm.srdf": robot(GROUP + OF_HAND, name="arm"),
+        "arm_moveit_config/config/arm.urdf.xacro": f'<robot name="arm" {XACRO}>{ARM}{WITH_HAND}</robot>',
+        "arm_moveit_config/config/two_fingers.xml": HAND,
+        "arm_moveit_config/config/other.xml": f"<robot {XACRO}/>",
+        "arm_moveit_config/launch/move_group.launch.py": f'config = MoveItConfigsBuilder("arm"){builder}\n',
+    }
+    found = find(tmp_path, files, "SRD001", name="arm_moveit_config/config/arm.urdf.xacro")
+    assert ids(found) == reported
+
+
 # -- names -------------------------------------------------------------------------------------------------------------
 
 

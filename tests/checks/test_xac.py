@@ -1097,6 +1097,38 @@ def test_robot_of_includes_without_the_prefix_is_a_model_and_they_are_its_parts(
     assert [f.code for f in run.findings if f.severity == Severity.ERROR] == expected
 
 
+@pytest.mark.parametrize(
+    ("launched", "extra", "severity", "repair"),
+    [
+        ("robot.urdf.xacro", "", Severity.WARNING, "delete this file if nothing needs it; else include parts.xacro"),
+        ("car.urdf.xacro", "", Severity.ERROR, "include parts.xacro"),
+        ("$(arg model).urdf.xacro", "", Severity.ERROR, "include parts.xacro"),
+        (
+            "robot.urdf.xacro",
+            '<link name="o"/>',
+            Severity.WARNING,
+            "delete this file if nothing needs it; else correct",
+        ),
+    ],
+)
+def test_a_file_that_lacks_a_macro_and_that_no_file_names_is_a_warning(
+    tmp_path: Path, launched: str, extra: str, severity: Severity, repair: str
+) -> None:
+    """A whole robot that defines the macro is nothing to include."""
+    load = f'<param name="robot_description" command="xacro $(find car)/urdf/{launched}"/>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f"<launch>{load}</launch>",
+        "urdf/robot.urdf.xacro": HEAD + '<link name="b"/></robot>',
+        "urdf/parts.xacro": HEAD + WHEEL + extra + "</robot>",
+        "urdf/car.urdf.xacro": HEAD + '<link name="b"/><xacro:wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
     files = {
         "package.xml": "<package><name>car</name></package>",
@@ -1227,6 +1259,43 @@ def test_value_that_another_file_replaces(tmp_path: Path, main: str, message: st
     write(tmp_path, {**files, "package.xml": package})
     findings = xacro(tmp_path, main + '<link name="l${a}"/>', {"XAC008"}).findings
     assert [f.message_id for f in findings] == ([message] if message else [])
+
+
+@pytest.mark.parametrize(
+    ("inside", "repair"),
+    [
+        ('<xacro:macro name="m" params=""><link name="m${a}"/></xacro:macro>', "set it after the include"),
+        ('<link name="m${a}"/>', "delete this line"),
+        ('<xacro:property name="b" value="${2 * a}"/><link name="m${b}"/>', "delete this line"),
+    ],
+)
+def test_a_value_that_an_include_replaces_can_only_count_later_in_its_macros(
+    tmp_path: Path, inside: str, repair: str
+) -> None:
+    write(
+        tmp_path,
+        {"a.xacro": HEAD + prop("a", "2") + inside + "</robot>", "package.xml": "<package><name>p</name></package>"},
+    )
+    main = prop("a", "1") + '<xacro:include filename="a.xacro"/><link name="l${a}"/>'
+    (finding,) = xacro(tmp_path, main, {"XAC008"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "is_same"),
+    [
+        ("3.14159", "3.1415926535897931", True),
+        ("3.1415926535897931", "3.14159", True),
+        ("3.14160", "3.1415926535897931", False),
+        ("3.14", "3.1415926535897931", False),
+        ("0.30000", "0.30000004", True),
+        ("4", "4.2", False),
+    ],
+)
+def test_a_rounded_value_is_the_same(tmp_path: Path, one: str, other: str, is_same: bool) -> None:
+    text = prop("a", one) + "\n" + prop("a", other) + "<link name=\"l_${python.len('a')}\"/>"
+    assert len(xacro(tmp_path, text, {"XAC008"}).findings) == (not is_same)
 
 
 def test_files_that_replace_each_others_value_in_turn_are_one_clash(tmp_path: Path) -> None:
@@ -1555,3 +1624,30 @@ def test_a_property_of_itself_is_to_be_deleted(tmp_path: Path, defined: bool) ->
     assert own.fix is not None
     assert own.fix.title.startswith("delete it")
     assert [edit.replacement for edit in own.fix.edits] == [""]
+
+
+@pytest.mark.parametrize(
+    ("launch", "name", "severity", "passing"),
+    [
+        ("", ' name="r"', Severity.ERROR, False),
+        ("", "", Severity.WARNING, False),  # a piece: the robot that includes it gives it a value
+        ("xacro $(find car)/urdf/car.urdf.xacro side:=$(env SIDE)", ' name="r"', Severity.WARNING, True),
+        # The name of another file ends with this one's.
+        ("xacro $(find car)/urdf/real_car.urdf.xacro side:=$(env SIDE)", ' name="r"', Severity.WARNING, False),
+        ("xacro $(find car)/urdf/ca$(env KIND).urdf.xacro side:=$(env SIDE)", ' name="r"', Severity.WARNING, True),
+        ("xacro $(find car)/urdf/ca$(env KIND).urdf.xacro", ' name="r"', Severity.ERROR, False),
+    ],
+)
+def test_an_argument_is_missing_where_the_model_is_started(
+    tmp_path: Path, launch: str, name: str, severity: Severity, passing: bool
+) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f'<launch><param name="robot_description" command="{launch}"/></launch>',
+        "urdf/real_car.urdf.xacro": HEAD + BASE + "</robot>",
+        "urdf/car.urdf.xacro": HEAD.replace(' name="r"', name) + '<link name="$(arg side)"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC010"}))
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing

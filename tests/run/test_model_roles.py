@@ -394,6 +394,40 @@ def test_a_part_with_a_name_that_cannot_be_expanded_is_a_model_that_was_not_chec
     assert (list_errors(run), [m.path for m in run.models]) == ([], ["car.urdf.xacro"])
 
 
+@pytest.mark.parametrize(
+    ("line", "severity"),
+    [
+        ("<!-- " + include("part.xacro") + " -->", Severity.WARNING),
+        ("<!-- " + include("$(find car)/part.xacro") + " -->", Severity.WARNING),
+        (unless_asked(include("part.xacro")), Severity.ERROR),
+        ("<!-- " + include("part.xacro") + " -->" + unless_asked(include("${'a'}rt.xacro")), Severity.ERROR),
+    ],
+)
+def test_a_part_that_only_comments_include_is_a_warning(package: Path, line: str, severity: Severity) -> None:
+    part = xacro('<link name="${prefix}camera"/>', ' name="camera"')
+    write(
+        package,
+        {
+            "package.xml": "<package><name>car</name></package>",
+            "car.urdf.xacro": xacro('<link name="base"/>' + line),
+            "part.xacro": part,
+        },
+    )
+    run = check(Path("."), codes={"XML002"})
+    assert [(f.model, f.severity) for f in run.findings] == [("part.xacro", severity)]
+    assert [m.path for m in run.unchecked_models] == ["part.xacro"]
+
+
+def test_a_failed_model_that_names_a_part_in_a_comment_is_not_why_it_was_not_checked(package: Path) -> None:
+    failed = xacro('<link name="${wrong}"/><!-- ' + include("arm.xacro") + " -->" + include("camera.xacro"))
+    parts = {name: xacro('<link name="${prefix}l"/>', f' name="{name}"') for name in ("arm", "camera")}
+    write(package, {"car.urdf.xacro": failed, **{f"{name}.xacro": text for name, text in parts.items()}})
+    (package / "urdfcheck.toml").write_text('unchecked = ["car.*"]')
+    run = check(Path("."), config_resolver=ConfigResolver())
+    told = {f.model: f.message_id for f in run.findings if f.code == "XML002"}
+    assert told == {"arm.xacro": "part", "camera.xacro": "part-of-failed"}
+
+
 def test_a_part_that_makes_transmissions_alone_is_in_the_model(package: Path) -> None:
     """What completes a robot is as much of it as a link, also within a block of ros2_control and two files deep."""
     macro = (

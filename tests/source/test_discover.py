@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.discover import discover_targets
-from urdfcheck.source.model_file import ModelFile
+from urdfcheck.source.model_file import ModelFile, names_file
 from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.plan import ModelTarget, Plan
@@ -125,6 +125,16 @@ def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> Non
     text = f'<!-- {{{{ name }}}} --><robot name="{typed}"><link name="a"/></robot>'
     write(workspace, {"r.urdf.xacro": text})
     assert models(".") == ["r.urdf.xacro"]
+
+
+def test_settings_of_eclipse_are_no_launch_file_of_ros(workspace: Path) -> None:
+    """Eclipse, and tools that are built on it, such as STM32CubeIDE, keep how to start a program in files of this name."""
+    inner = '<stringAttribute key="a" value="0"/>'
+    text = f'<?xml version="1.0"?>\n<launchConfiguration type="com.st.debug">{inner}</launchConfiguration>'
+    write(workspace, {"board/car Debug.launch": text, "board/car.launch": "<launch/>"})
+    assert [path.as_posix() for path in planned(".").launches] == ["board/car.launch"]
+    assert (planned(".").missing, planned(".").left_out) == ((), ())
+    assert [path for path, _ in planned("board/car Debug.launch").missing] == ["board/car Debug.launch"]
 
 
 def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path) -> None:
@@ -1032,3 +1042,23 @@ def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkey
     write(workspace, {"a.xacro": xacro(include("b.xacro"), "")})
     assert len(models("b.xacro")) == 1
     assert len(parsed) == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("$(find arm)/urdf/hand.xacro", True),
+        ("$(find-pkg-share arm)/urdf/hand.xacro", True),
+        ("package://arm/urdf/hand.xacro", True),
+        ("$(find other)/urdf/hand.xacro", False),
+        ("$(find arm)/urdf/old/hand.xacro", False),
+        ("$(find arm)/$(arg kind)/hand.xacro", True),
+        ("$(find $(arg p))/urdf/hand.xacro", True),
+        ("../urdf/hand.xacro", True),
+        ("left_hand.xacro", False),
+        ("<!-- $(find arm)/urdf/hand.xacro -->", False),
+        ("$(find other)/urdf/hand.xacro hand.xacro", True),
+    ],
+)
+def test_a_text_names_a_file_of_its_package_outside_comments(text: str, named: bool) -> None:
+    assert names_file(text, "urdf/hand.xacro", "arm") is named

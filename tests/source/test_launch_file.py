@@ -11,7 +11,7 @@ import pytest
 from urdfcheck.source.launch import python_launch_file
 from urdfcheck.source.launch.launch_file import DescriptionSource, Launch, is_included_by_sibling, load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
-from urdfcheck.source.launch.substitutions import UnresolvedReason
+from urdfcheck.source.launch.substitutions import UnresolvedReason, evaluate_condition
 from urdfcheck.source.package.finder import PackageFinder
 
 
@@ -127,6 +127,25 @@ def test_what_a_condition_rules_out_is_not_loaded(package: Path, condition: str)
     text += f'<param {condition} name="robot_description" textfile="no.urdf"/>'
     loaded = launch(package, f"<launch>{text}</launch>")
     assert (loaded.descriptions, loaded.transforms) == ((), ())
+
+
+@pytest.mark.parametrize(
+    ("expression", "value"),
+    [
+        ("arm == 'ur5'", True),
+        ("'/' not in arm", True),
+        ("arg('arm') in ['ur3', 'panda'] or not sim", False),
+        ("sim and rate > 5", True),
+        ("sim == 'true'", False),  # roslaunch hands over True
+        ("gone == 1", None),
+        ("arm > 3", None),
+        ("exists(arm)", None),
+        ("arm ==", None),
+    ],
+)
+def test_a_comparison_of_known_arguments_is_decided(expression: str, value: bool | None) -> None:
+    values = {"arm": "ur5", "sim": "true", "rate": "10.0"}
+    assert evaluate_condition(expression, values.get) is value
 
 
 # -- included launch files ---------------------------------------------------------------------------------------------

@@ -15,6 +15,7 @@ from urdfcheck.model.repairs.edits import edit_values
 from urdfcheck.model.use.other_programs import find_attaching_program, is_named_in_package
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _ADDING = 'add `<link name="{called}"/>`, or {naming}'
 # Beside a root, the link alone would be a second one.
@@ -43,8 +44,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if fragment is not None:
         yield fragment
         return
-    for places in unknown.values():
-        yield _build_finding(rule, model, graph, places)
+    for called, places in unknown.items():
+        yield _build_started_finding(rule, model, called, places) or _build_finding(rule, model, graph, places)
 
 
 def _build_fragment_finding(
@@ -70,6 +71,40 @@ def _build_fragment_finding(
         robot=spell_breaks(model.robot.get("name")),
         links=join_names(map(spell_breaks, unknown), 3),
         file=program if whole is None else format_path(whole),
+    )
+    return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _build_started_finding(
+    rule: Rule, model: Model, called: str, places: list[tuple[Joint, Attribute]]
+) -> Finding | None:
+    """Report a link that only the defaults of the arguments leave out; None if it is not one.
+
+    Every file that starts the model passes values with which the link exists.
+    """
+    from urdfcheck.model.use.started_variants import (
+        is_started_with_defaults,
+        list_started_variants,
+    )  # few models need it
+
+    variants = [v for v in list_started_variants(model.source) if not v.contradicts_model]
+    makes_link = [v for v in variants if v.names is not None and called in v.names["link"]]
+    if not variants or len(makes_link) < len(variants) or is_started_with_defaults(model.source):
+        return None
+    attributes = [attribute for _, attribute in places]
+    alone = (v for v in variants[0].split() if v.names is not None and called in v.names["link"])
+    needed = next(alone, variants[0])
+    declared = {e.get("name"): e for e in iter_elements_by_tag(model.source.trees, "xacro:arg")}
+    finding = rule.finding(
+        "default",
+        at=attributes[0],
+        related=[*(a.location for a in attributes[1:10]), *(declared[n] for n in needed.arguments if n in declared)],
+        severity=Severity.WARNING,
+        called=spell_breaks(called),
+        where=_describe_places(places),
+        arguments=join_names([f"{name}:={value}" for name, value in needed.arguments.items()], 3),
+        defaults=" and ".join(f"{name} the default `{value}`" for name, value in needed.arguments.items()),
+        file=format_path(needed.starter),
     )
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 

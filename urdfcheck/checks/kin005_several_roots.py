@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.xacro.usage import collect_called_macros, collect_macros
 
 
@@ -27,20 +28,42 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # The file of the model as typed: what an included file makes may be needed by the other models that include it.
     spans = [model.link_by_name[root].element.span for root in roots]
     is_own = all(span is not None and span.file == model.source.name for span in spans)
+    others = join_names(
+        f"{root} ({format_count(len(piece), 'link')})" for root, piece in zip(roots[1:], pieces[1:], strict=True)
+    )
+    joints = _find_joints_elsewhere(model)
+    if joints is not None:
+        yield rule.finding(
+            "half",
+            at=model.robot,
+            severity=Severity.INFO,
+            count=len(pieces),
+            file=format_path(joints),
+        )
+        return
+    is_nameless = model.source.is_xacro and "name" not in model.robot.attributes
     yield rule.finding(
         "pieces",
         at=model.link_by_name[roots[1]],
+        # Without a name no program takes it for a robot: it is a part, or lacks the name too.
+        severity=Severity.WARNING if is_nameless else None,
         related=[model.link_by_name[root] for root in (roots[0], *roots[2:10])],
         count=len(pieces),
         main=f"{roots[0]} ({format_count(len(pieces[0]), 'link')})",
-        others=join_names(
-            f"{root} ({format_count(len(piece), 'link')})" for root, piece in zip(roots[1:], pieces[1:], strict=True)
-        ),
+        others=others,
         roots=roots,
         inside="" if is_own else f" in {Path(model.source.name).name}",
         repair=_describe_joints(roots, [len(piece) for piece in pieces])
         + (", or delete unused links" if is_own else _describe_own_place(model)),
     )
+
+
+def _find_joints_elsewhere(model: Model) -> Path | None:
+    if model.joints:
+        return None
+    from urdfcheck.model.likeness.whole_models import find_joints_elsewhere  # loaded only for such a file
+
+    return find_joints_elsewhere(model.source)
 
 
 def _describe_own_place(model: Model) -> str:

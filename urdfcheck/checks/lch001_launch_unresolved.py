@@ -41,6 +41,8 @@ _SHOWN = 80
 _XACRO = ".xacro"
 # What a launch file names, as a message calls it.
 _SRDF = "SRDF"
+# What means the same whatever the arguments are.
+_OTHER = re.compile(r"\$\((?:find|find-pkg-share|dirname)\b[^()$]*\)")
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
@@ -82,6 +84,8 @@ def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
         if description.unresolved is not None:
             at = locate_text(description.at, description.file, launch.files)
             is_certain = _has_known_conditions(launch, description.at.owner)
+            if not is_certain and _is_chosen_by_argument(description):
+                continue
             for finding in _check_description(context, rule, description, obstacle=description.unresolved, at=at):
                 yield finding if is_certain else replace(finding, severity=min(finding.severity, Severity.WARNING))
     for include in launch.broken_includes:
@@ -93,6 +97,14 @@ def _has_known_conditions(launch: Launch, element: Element) -> bool:
     root = _find_root(element)
     scopes = [scope for scope in (launch.scope, *launch.scopes.values()) if scope is not None and scope.root is root]
     return all(scope.resolver.has_known_conditions(element) for scope in scopes)
+
+
+def _is_chosen_by_argument(description: DescriptionSource) -> bool:
+    """Whether an argument names what is loaded: the condition around it may ask which value it has."""
+    obstacle = description.unresolved
+    if obstacle is None or (obstacle.kind == "package" and obstacle.name in description.file):
+        return False
+    return obstacle.kind in {"file", "package", "empty"} and "$(" in _OTHER.sub("", description.file)
 
 
 def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterator[Finding]:

@@ -45,7 +45,9 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
-from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_nowhere
+from urdfcheck.source.xacro.file_contents import has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     Condition,
@@ -130,7 +132,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             **report.data,
         )
         # A piece that lacks what another file of its package defines was left out of the model: no program loads it.
-        is_left_out = bool(report.data.get("defining")) and _is_orphan(source)
+        is_left_out = bool(report.data.get("defining")) and _is_unused(source)
+        is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
         is_left_out |= source.package is not None and is_kept_aside(source.path, source.package.path)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
 
@@ -288,12 +291,37 @@ def _is_orphan(source: Source) -> bool:
     return not source.is_part and root is not None and root.tag == "robot" and "name" not in root.attributes
 
 
+def _is_unused(source: Source) -> bool:
+    """Whether a file is such a piece, or no file names it where the others of its package name other models."""
+    return _is_orphan(source) or (not source.is_part and is_named_nowhere(source) and is_certainly_left_aside(source))
+
+
 def _describe_include(source: Source, files: Sequence[str], otherwise: str, clause: str = "") -> str:
-    """Say where what is missing comes from: a piece of a robot gets it from the file that includes both."""
-    listed = " or ".join(files)
+    """Say where what is missing comes from: a piece of a robot gets it from the file that includes both.
+
+    A whole robot is not proposed.
+    """
+    robots = [name for name in files if _is_robot(source, name)]
+    listed = " or ".join(name for name in files if name not in robots)
     if _is_orphan(source):
-        return f"delete this file if nothing needs it; else include it in the model, after {listed}"
-    return f"include {listed}{clause} before this line, or {otherwise}"
+        place = f"in the model, after {listed}" if listed else f"in a model, such as {' or '.join(robots)}"
+        return f"delete this file if nothing needs it; else include it {place}"
+    repair = f"include {listed}{clause} before this line, or {otherwise}" if listed else otherwise
+    return f"delete this file if nothing needs it; else {repair}" if _is_unused(source) else repair
+
+
+def _is_robot(source: Source, name: str) -> bool:
+    """Whether a file of the package, by its name, makes links or joints by itself."""
+    package = source.finder.find_package_of(source.path.absolute())
+    places = [] if package is None else index_files([package.path]).get(name.lower(), [])
+    for place in places:
+        try:
+            root = parse_xml(SourceFile.read(place, name)) if source.finder.can_open(place) else None
+        except (OSError, XmlError):
+            continue
+        if root is not None and "name" in root.attributes and has_parts(root):
+            return True
+    return False
 
 
 def _find_defining_files(
@@ -350,6 +378,13 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
     typed = None if call is None else call.attributes.get(name)
     macro = collect_macros(failure.source.trees).get(failure.macro)
     parameters = () if macro is None else macro.parameters
+    owner = None if call is None else _find_foreign_namespace(call, name)
+    if owner is not None:
+        prefix = name.partition(":")[0]
+        at = None if typed is None or call is None else _locate_in_call(failure, typed.location)
+        return _build_report(
+            failure, "parameter-foreign", at=at, macro=failure.macro, name=name, prefix=prefix, owner=owner
+        )
     return _build_report(
         failure,
         "parameter-unknown",
@@ -360,6 +395,18 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
         takes=join_names(parameters) or "none",
         hint=format_name_hint(name, set(parameters) - (set() if call is None else call.attributes.keys())),
     )
+
+
+def _find_foreign_namespace(call: Element, name: str) -> str | None:
+    """Return the namespace of an attribute whose prefix is declared and is not xacro's: another program reads it."""
+    prefix, colon, _ = name.partition(":")
+    around: Element | None = call if colon and prefix not in {"xacro", "xml", "xmlns"} else None
+    while around is not None:
+        declared = around.get(f"xmlns:{prefix}").strip()
+        if declared:
+            return None if "xacro" in declared else declared
+        around = around.parent
+    return None
 
 
 def _explain_block_mismatch(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:

@@ -12,7 +12,12 @@ from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
-from urdfcheck.source.xacro.usage import collect_read_arguments, iter_elements_by_tag
+from urdfcheck.source.xacro.usage import (
+    collect_computed_arguments,
+    collect_read_arguments,
+    iter_elements_by_tag,
+    may_be_name,
+)
 
 # One fix deletes the first line and at most so many others.
 _MAX_EDITED = 100
@@ -61,4 +66,9 @@ def _find_unread_arguments(source: Source) -> list[Attribute]:
     elsewhere = collect_outside_mentions(source) if unread else None
     if elsewhere is None or not elsewhere.complete:
         return []
-    return [name for name in unread if name.value not in elsewhere.arguments]
+    computed = collect_computed_arguments(source.trees) | elsewhere.computed_arguments
+    return [
+        name
+        for name in unread
+        if name.value not in elsewhere.arguments and not any(may_be_name(typed, name.value) for typed in computed)
+    ]

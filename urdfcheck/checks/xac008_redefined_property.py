@@ -10,8 +10,10 @@ from urdfcheck.model import Model
 from urdfcheck.source.load import select_own_trees
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import iter_elements_by_tag
+from urdfcheck.source.xacro.usage import find_expression_names, iter_elements_by_tag
 
+# With so many digits, a rounded value is the same for a robot.
+_MANY_DIGITS = 5
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 
 
@@ -53,6 +55,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             second=after.get("value"),
             where=f"line {_get_line_number(first)} of {files[0]}",
             file=files[1],
+            repair=_describe_repair(source.trees[files[1]], before=before, after=after),
             lines=f"{_get_line_number(first)} or {_get_line_number(second)}",
         )
     yield from findings.values()
@@ -80,6 +83,40 @@ def _choose_message(first: Location, second: Location, files: tuple[str, str]) -
     return None if files[1] in {span.file for span in first.via} else "clash"
 
 
+def _describe_repair(included: Element, *, before: Element, after: Element) -> str:
+    """Say how the value that precedes an include can count in the included file."""
+    name = after.get("name")
+    default = f'`<xacro:property name="{name}" default="{after.get("value")}"/>`'
+    if name in _collect_names_read_at_once(included):
+        # Set after the include, it would come too late.
+        meant = f"if {before.get('value')} is meant in the included file, make its value a default: {default}"
+        return f"delete this line, which changes nothing; {meant}"
+    return f"set it after the include, or make the value in the included file a default: {default}"
+
+
+def _collect_names_read_at_once(tree: Element) -> set[str]:
+    """Return the names that a file reads where it is included: outside its macros, also by way of its properties."""
+    read: set[str] = set()
+    properties: dict[str, set[str]] = {}
+    inside = [tree]
+    while inside:
+        element = inside.pop()
+        texts = (element.text, *(attribute.value for attribute in element.attributes.values()))
+        names = set().union(*map(find_expression_names, texts))
+        if element.tag == "xacro:property":
+            properties.setdefault(element.get("name"), set()).update(names)
+            continue
+        if element.tag != "xacro:macro":
+            read |= names
+            inside += element.children
+    waiting = list(read)
+    while waiting:
+        further = properties.get(waiting.pop(), set()) - read
+        read |= further
+        waiting += further
+    return read
+
+
 def _is_conditional(element: Element) -> bool:
     around: Element | None = element
     while around is not None:
@@ -91,7 +128,15 @@ def _is_conditional(element: Element) -> bool:
 
 def _is_equal_value(one: str, other: str) -> bool:
     a, b = parse_number(one), parse_number(other)
-    return one.split() == other.split() if a is None or b is None else math.isclose(a, b, rel_tol=1e-12)
+    if a is None or b is None:
+        return one.split() == other.split()
+    return math.isclose(a, b, rel_tol=1e-12) or _is_rounded(one, a, b) or _is_rounded(other, b, a)
+
+
+def _is_rounded(text: str, value: float, other: float) -> bool:
+    """Whether a value as typed is another one, rounded: 3.14159 of a pi with more digits."""
+    digits = text.strip().lower().partition("e")[0].lstrip("+-0.").replace(".", "")
+    return len(digits) >= _MANY_DIGITS and f"{other:.{len(digits)}g}" == f"{value:.{len(digits)}g}"
 
 
 def _get_line_number(location: Location) -> int:

@@ -10,6 +10,7 @@ from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_nowhere
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
@@ -30,13 +31,16 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
+        is_aside = passing is None and is_named_nowhere(source) and is_certainly_left_aside(source)
+        if passing is not None:
+            repair += f"; {format_path(passing)} passes one, known only at launch"
         finding = rule.finding(
             "too-late" if declared else "missing",
             at=at,
             related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
             argument=name,
             missing=missing,
-            repair=repair + (f"; {format_path(passing)} passes one, known only at launch" if passing else ""),
+            repair=repair,
             remedy=options,
             choices=format_choices(known.get(name, ())),
             default=declared[0].get("default") if declared else "",
@@ -44,8 +48,10 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
         )
-        # Where it is started the model has a value: only here nothing is known of it.
-        yield finding if passing is None else replace(finding, severity=Severity.WARNING, blocks_check=True)
+        # Where it is started the model has a value: only here nothing is known of it. And what nothing starts needs none, nor
+        # does a piece of a robot, which the file that includes it gives one.
+        is_error = passing is None and not is_aside and not _is_nameless(source)
+        yield finding if is_error else replace(finding, severity=Severity.WARNING, blocks_check=True)
 
 
 def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -59,6 +65,12 @@ def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             "early", at=attribute, related=[declared], severity=Severity.INFO, argument=name, default=default
         )
+
+
+def _is_nameless(source: Source) -> bool:
+    """Whether no program takes a file for a robot: its <robot> has no name."""
+    root = source.main_tree
+    return root is not None and root.tag == "robot" and "name" not in root.attributes
 
 
 def _describe_repair(source: Source, at: Location, name: str, options: str, *, is_declared: bool) -> str:

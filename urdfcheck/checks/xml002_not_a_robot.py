@@ -44,7 +44,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         # one that no file here includes may be a part for other packages. Whether a file that cannot be expanded is a model is
         # unknown.
         hangs = source.is_xacro and source.root is not None and bool(explain_joint_to_elsewhere(source.root))
-        if not source.is_part and source.root is not None and not hangs:
+        if not source.is_part and source.root is not None and not hangs and not _has_joints_elsewhere(source):
             yield rule.finding("unnamed", at=root, severity=_grade_unnamed(source))
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
@@ -56,6 +56,15 @@ def _grade_unnamed(source: Source) -> Severity | None:
         return None
     is_kept = is_certainly_left_aside(source) or find_deploying_script(source) is not None
     return Severity.INFO if is_kept else Severity.WARNING
+
+
+def _has_joints_elsewhere(source: Source) -> bool:
+    """Whether a file has links only, and another one the joints between them (KIN005): both are parts of a robot."""
+    if source.root is None or source.root.find_children("joint"):
+        return False
+    from urdfcheck.model.likeness.whole_models import find_joints_elsewhere  # loaded only for such a file
+
+    return find_joints_elsewhere(source) is not None
 
 
 def _describe_consequences(tag: str) -> dict[str, str]:

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, format_name_hint
 from urdfcheck.model import Model
 from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.resources import ResourceUse, find_missing_path, list_resource_uses
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.uses_elsewhere import is_named_nowhere
 
 # The colours of plain names; those of others are not known.
 _COLOURS = {
@@ -51,7 +54,7 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
         if name not in everywhere and (model.source.is_part or _hangs_on_another_robot(model)):
             continue  # the file that includes this one may define it, and is checked as well
         names = [material.attributes["name"] for material in materials]
-        yield build_group_finding(
+        finding = build_group_finding(
             rule,
             "later" if name in everywhere else "undefined",
             names,
@@ -60,6 +63,14 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             definition="" if name in everywhere else _propose_definition(model, name),
             near=format_name_hint(name, everywhere),
         )
+        # What no program loads looks like nothing.
+        yield replace(finding, severity=Severity.INFO) if _is_left_aside(model) else finding
+
+
+def _is_left_aside(model: Model) -> bool:
+    """Whether the file is kept in a folder of files that are not used, and no file of its project names it."""
+    package = model.source.package
+    return package is not None and is_kept_aside(model.source.path, package.path) and is_named_nowhere(model.source)
 
 
 def _hangs_on_another_robot(model: Model) -> bool:

@@ -220,12 +220,19 @@ class _UnitAudit:
         at = locate_unit(self.unit) if root is None else root
         # Few files are parts that nothing includes.
         from urdfcheck.core.text import spell_breaks
-        from urdfcheck.source.uses_elsewhere import find_conditional_include, is_completed_by_includer
+        from urdfcheck.source.uses_elsewhere import (
+            find_conditional_include,
+            is_completed_by_includer,
+            is_named_nowhere,
+        )
 
         rule, reason = load_rules()["XML002"], self.role.reason
         included = find_conditional_include(source)
         if included is None:
             finding = rule.finding("part", at=at, reason=reason)
+            # What only its includer completes, and no file takes any longer, is no robot that was missed.
+            if self.role.is_doubtful and not self.unit.is_explicit and is_named_nowhere(source):
+                finding = replace(finding, severity=Severity.WARNING, blocks_check=True)
         else:
             user, condition = format_path(included[0]), spell_breaks(included[1])
             finding = rule.finding("part-of-variant", at=at, reason=reason, user=user, condition=condition)

@@ -14,7 +14,7 @@ from pathlib import Path
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.text import truncate_text
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
-from urdfcheck.source.model_file import find_placeholder, is_blank
+from urdfcheck.source.model_file import find_placeholder, is_blank, is_foreign_launch
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
     find_other_format,
@@ -197,8 +197,9 @@ class _Planner:
         for candidate in folder.candidates:
             if candidate.path not in passed_over:
                 self.add_found_model(candidate, is_spare=True)
+        foreign = {launch for launch, text in launches.items() if is_foreign_launch(text)}
         for launch in folder.launches:
-            if launch not in passed_over and self.is_usable(launch, named=False):
+            if launch not in passed_over and launch not in foreign and self.is_usable(launch, named=False):
                 self.add_launch(launch)
         for model in self.list_configured_models(folder):
             if resolve_path(model) not in self.models:
@@ -237,7 +238,10 @@ class _Planner:
 
     def add_file(self, path: Path) -> None:
         other = find_other_format(path)
-        if is_launch(path):
+        if is_launch(path) and path.suffix != ".py" and is_foreign_launch(_read_text(path)):
+            reason = "this is a launch configuration of Eclipse; urdfcheck reads launch files of ROS"
+            self.missing.append((format_path(path), reason))
+        elif is_launch(path):
             self.add_launch(path)
         elif is_mesh(path):
             self.add_users(path, self.find_mesh_users(path), "no model of its package or repository names this mesh")

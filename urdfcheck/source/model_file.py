@@ -35,7 +35,14 @@ _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?link\s*=\s*["']([^"']*)["'
 _ROBOT = re.compile(r"<robot[\s>]")
 # A file name in any text: what stands between separators and has a suffix.
 _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*""")
+# The package in which a path is, and its folders, as they precede the name of a file.
+_FOLDERS = (
+    r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/)?((?:[\w.-]+/)*)"""
+)
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
+_SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
+_OF_ROS = re.compile(r"<(?:launch|node|include|param|rosparam|arg|group|robot)[\s>/]")
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
 # and "<your-package>" in a value.
@@ -188,9 +195,34 @@ def is_blank(text: str) -> bool:
     return not body or (body.startswith("<!--") and not _COMMENT.sub("", body).strip())
 
 
+def is_foreign_launch(text: str) -> bool:
+    """Whether the text of a launch file in XML is another tool's: Eclipse, and what is built on it, keep their settings so."""
+    return _SETTINGS.match(_DECLARATION.sub("", text.lstrip("\ufeff"), count=1)) is not None and not _OF_ROS.search(
+        text
+    )
+
+
 def find_file_names(text: str) -> list[str]:
     """Return what looks like the name of a file in a text; of a name with blanks, its last word."""
     return _FILE_NAME.findall(text)
+
+
+def names_file(text: str, inside: str, package: str) -> bool:
+    """Whether a text names a file of a package, given by its path in it, outside comments in XML.
+
+    ``$(find other)/urdf/camera.xacro`` names a file of another package, and ``$(find own)/urdf/camera.xacro`` that of this folder
+    alone.
+    """
+    name = inside.rpartition("/")[2]
+    if name not in text:
+        return False
+    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", _COMMENT.sub("", text)):
+        owner = match[1] or match[2] or match[3]
+        if not owner or not package or "$" in owner:
+            return True
+        if owner == package and match[4] + name == inside:
+            return True
+    return False
 
 
 def _parse(source: SourceFile | None) -> Element | None:

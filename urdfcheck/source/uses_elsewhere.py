@@ -5,6 +5,8 @@ A definition that no file of the model uses may be used by another model of the 
 
 from __future__ import annotations
 
+import itertools
+import os
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
@@ -13,6 +15,7 @@ from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
+from urdfcheck.source.model_file import names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import iter_package_texts, read_package_texts
 from urdfcheck.source.project_folders import find_project_folder
@@ -23,6 +26,7 @@ from urdfcheck.source.xacro.file_contents import can_have_name
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,
+    find_computed_arguments,
     find_expression_names,
     iter_elements_by_tag,
     strip_namespace,
@@ -45,6 +49,8 @@ _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # A name that a file computes may be that of any model.
 _COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
+# What is typed of such a name behind the part that is computed: `${side}_arm.xacro`, `side + "_arm.xacro"`.
+_COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""")
 # What xacro says of a name or a macro that is not defined, and the definitions of a file.
 _LACKING = re.compile(r"name '([^']+)' is not defined|unknown macro name: (\S+)")
 _DEFINED = re.compile(r"""<xacro:(?:arg|property|macro)\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
@@ -64,6 +70,8 @@ class XacroMentions:
     """Macros that are called, with expressions as typed."""
     arguments: set[str] = field(default_factory=set)
     """Arguments that are read, declared or passed."""
+    computed_arguments: set[str] = field(default_factory=set)
+    """Names of arguments that are computed where they are read, as typed."""
     complete: bool = True
     """Whether all files were searched."""
 
@@ -98,6 +106,7 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
                 mentions.names.update(found.names)
                 mentions.macros.update(found.macros)
                 mentions.arguments.update(found.arguments)
+                mentions.computed_arguments.update(found.computed_arguments)
     return mentions
 
 
@@ -255,6 +264,36 @@ def find_deploying_script(source: Source) -> Path | None:
     return None
 
 
+@lru_cache(maxsize=1)
+def is_named_nowhere(source: Source) -> bool:
+    """Whether no file of the model's package, or of one that names the package, names the model's file outside comments.
+
+    False without a package, and where a file computes such a name.
+    """
+    if source.package is None:
+        return False
+    inside = Path(os.path.relpath(source.path.absolute(), source.package.path)).as_posix()
+    for folder, package_name in _iter_using_folders(source):
+        if package_name and not source.finder.can_open(folder):
+            if has_dependency_entry(folder, package_name):
+                return False
+            continue
+        for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
+            if path.absolute() == source.path.absolute() or not source.finder.can_open(path):
+                continue
+            try:
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
+            except OSError:
+                continue
+            if package_name in text and (
+                names_file(text, inside, source.package.name)
+                or _COMPUTED_FILE.search(text)
+                or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
+            ):
+                return False
+    return True
+
+
 def is_kept_output(source: Source) -> bool:
     """Whether xacro wrote the model, and no file of its package, or of one that depends on it, names it. False without one."""
     own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
@@ -318,6 +357,7 @@ def _find_mentions(text: str, is_included: bool, is_caller: bool) -> XacroMentio
         mentions.macros.update(map(strip_namespace, _CALLED.findall(text)))
         mentions.macros.update(map(strip_namespace, _CALLED_BY_NAME.findall(text)))
         mentions.arguments.update(mentions.names, ARGUMENT.findall(text), _DECLARED.findall(text))
+        mentions.computed_arguments.update(find_computed_arguments(text))
     if is_caller:
         mentions.arguments.update(_PASSED.findall(text))
     return mentions

@@ -41,13 +41,23 @@ class PackageNames:
 
         Spelled out, or with expressions whose values are words of the files.
         """
-        return self._can_files_have(kind, name, self._all_names)
+        return self._can_files_have(kind, name, self._all_names) or self.can_started_have(kind, name)
+
+    def can_started_have(self, kind: str, name: str) -> bool:
+        """Whether the model has the name with other arguments that a launch file or MoveIt's settings pass to it.
+
+        What cannot be expanded with them may have any.
+        """
+        from urdfcheck.model.use.started_variants import list_started_variants  # only an unknown name asks for it
+
+        variants = (variant.names for variant in list_started_variants(self.model.source))
+        return any(names is None or name in names[kind] for names in variants)
 
     def can_variants_have(self, kind: str, name: str) -> bool:
         """Whether the files of the model can make the name with any arguments."""
         files = self._model_names
         spelled = name in files.literal[kind] or any(p.fullmatch(name) for p in files.patterns[kind])
-        return spelled or bool(files.anything[kind])
+        return spelled or bool(files.anything[kind]) or self.can_started_have(kind, name)
 
     def can_others_have(self, kind: str, name: str) -> bool:
         """Whether the files that the model itself does not use can make the name."""

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
+from urdfcheck.source.load import Source
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.values import parse_numbers
@@ -19,6 +20,11 @@ from urdfcheck.system.files import read_regular, walk
 
 _SUFFIXES = (".urdf", ".xacro")
 _ROBOT = re.compile(r"""<robot\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+# What folders of robot files are called, which may have a folder for each kind of part.
+_ROBOT_FOLDERS = frozenset({"urdf", "xacro", "robots"})
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?\blink\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+_LINK = re.compile(r"<link[\s>/]")
 _DEFINED_COLOUR = re.compile(
     r"""<material\s+name\s*=\s*["']([^"'<>$]+)["']\s*>\s*<color\s+rgba\s*=\s*["']([^"'<>$]*)["']"""
 )
@@ -34,7 +40,7 @@ def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
     name, own = model.robot.get("name"), model.link_by_name.keys()
     if not name:
         return None
-    for path in islice(_iter_robot_files(model), _MOST_FILES):
+    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
         try:
             match = _ROBOT.search(read_regular(path, _LARGEST).decode("utf-8", "replace"))
         except OSError:
@@ -50,7 +56,7 @@ def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
 
 def is_named_elsewhere(model: Model, link: str) -> bool:
     """Whether another robot file of the repository names this link, so that its robot is probably known there."""
-    for path in islice(_iter_robot_files(model), _MOST_FILES):
+    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
@@ -58,6 +64,26 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
         if f'"{link}"' in text or f"'{link}'" in text:
             return True
     return False
+
+
+def find_joints_elsewhere(source: Source) -> Path | None:
+    """Return the file of the repository with the joints between the links of a file that has links only, or None.
+
+    Such a file has no links, and its joints name no others.
+    """
+    root = source.root
+    links = set() if root is None else {e.get("name") for e in root.find_children("link")}
+    if root is None or not source.is_xacro or len(links) < 2 or root.find_children("joint"):
+        return None
+    for path in islice(_iter_robot_files(source), _MOST_FILES):
+        try:
+            text = _COMMENT.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
+        except OSError:
+            continue
+        ends = [a or b for a, b in _JOINT_END.findall(text)]
+        if len(ends) > 1 and links.issuperset(ends) and not _LINK.search(text):
+            return path
+    return None
 
 
 def find_colour_elsewhere(model: Model, material: str) -> tuple[Path, str] | None:
@@ -68,7 +94,7 @@ def find_colour_elsewhere(model: Model, material: str) -> tuple[Path, str] | Non
 @fact
 def _find_colours_elsewhere(model: Model) -> Mapping[str, tuple[Path, str]]:
     found: dict[str, tuple[int, Path, str]] = {}
-    for path in islice(_iter_robot_files(model), _MOST_FILES):
+    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
@@ -81,11 +107,13 @@ def _find_colours_elsewhere(model: Model) -> Mapping[str, tuple[Path, str]]:
     return {name: (path, rgba) for name, (_, path, rgba) in found.items()}
 
 
-def _iter_robot_files(model: Model) -> Iterator[Path]:
+def _iter_robot_files(source: Source) -> Iterator[Path]:
     """Yield the robot files of the repository around a model, or of its package, that the model does not use itself."""
-    source = model.source
     used = {os.path.realpath(file.path) for file in source.files.values()}
-    for here, names, files in islice(walk(find_project_folder(source.path)), _MOST_FOLDERS):
+    top, own = find_project_folder(source.path), source.path.absolute().parent
+    if top.absolute() == own and own.parent.name.lower() in _ROBOT_FOLDERS:  # without a repository and a package
+        top = own.parent
+    for here, names, files in islice(walk(top), _MOST_FOLDERS):
         names[:] = sorted(n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS)
         for path in (Path(here, name) for name in sorted(files) if name.lower().endswith(_SUFFIXES)):
             if os.path.realpath(path) not in used and source.finder.can_open(path):

@@ -10,10 +10,10 @@ from pathlib import Path
 from urdfcheck.core import Finding, Severity
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
-from urdfcheck.source.model_file import find_file_names
+from urdfcheck.source.model_file import names_file
 from urdfcheck.source.model_role import MODEL
 from urdfcheck.source.package.file_kinds import is_srdf
-from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.finder import format_path, load_package
 
 
 def list_next_units(units: Sequence[Unit], reports: Mapping[int, UnitReport]) -> list[int]:
@@ -105,8 +105,10 @@ def assign_parts(
 
 def _blame_user(part: Unit, report: UnitReport, failed: Sequence[UnitReport]) -> tuple[Finding, ...]:
     """Return the findings of a part that was not checked; a failed model that names its file is why no model includes it."""
-    name = Path(part.path).name
-    users = (f.info.path for f in failed if f.info and any(name in find_file_names(t) for t in f.sources.values()))
+    home = _find_home(Path(part.path))
+    package = load_package(home)
+    own, inside = "" if package is None else package.name, Path(os.path.relpath(part.path, home)).as_posix()
+    users = (f.info.path for f in failed if f.info and any(names_file(t, inside, own) for t in f.sources.values()))
     user = next(users, None)
     if user is None:
         return report.findings

@@ -16,6 +16,9 @@ _COMMENT = re.compile(r"<!--.*?-->|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
 _MODEL_NAME = re.compile(r"[\w.-]*\.(?:urdf|xacro)\b")
 
+# What is typed of a computed name before the part that is computed: `"arm_" + kind`, `urdf/arm_$(arg kind)`, `f"arm_{kind}"`.
+_BEGIN_OF_NAME = re.compile(r"""([\w.-]+)(?:["']\s*[+,]|\$\(|\{)""")
+
 
 def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> bool:
     """Whether launch files of the package of a file load it, and all of these name other models' files, not this model's."""
@@ -29,19 +32,37 @@ def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> b
 
 
 def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
-    """Return a launch file of the package of a model's file that names it and passes an argument of this name."""
-    return next((launch for launch, _ in _iter_launch_texts(path, finder) if may_pass_argument(launch, name)), None)
+    """Return a launch file of the package of a model's file that names it and passes an argument of this name.
+
+    One that computes the name counts too: ``"arm_" + kind + ".urdf.xacro"`` may be the name of any file that ends so.
+    """
+    found = itertools.chain(_iter_launch_texts(path, finder), _iter_computing_texts(path, finder))
+    return next((launch for launch, _ in found if may_pass_argument(launch, name)), None)
 
 
 def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
     """Yield the launch files of the package of a file that name it, each with its text."""
+    named = re.compile(rf"(?<![\w.-]){re.escape(path.name)}(?![\w.-])")
+    return ((launch, text) for launch, text in _iter_package_launches(path, finder) if named.search(text))
+
+
+def _iter_computing_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
+    """Yield the launch files of the package of a model's file that compute a name which may be its own, each with its text."""
+    for launch, text in _iter_package_launches(path, finder):
+        ends = {name for name in _MODEL_NAME.findall(text) if name.startswith((".", "_"))}
+        begins = _BEGIN_OF_NAME.findall(text)
+        if any(path.name.endswith(end) for end in ends) and any(map(path.name.startswith, begins)):
+            yield launch, text
+
+
+def _iter_package_launches(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
+    """Yield the launch files of the package of a file, each with its text."""
     package = finder.find_package_of(path.absolute())
     if package is None or not finder.can_open(package.path):
         return
     for launch in itertools.islice(iter_launch_files(package.path, finder), MOST_LAUNCHES):
         text = _read_text(launch)
-        if path.name in text:
-            yield launch, text
+        yield launch, text
 
 
 def _read_text(launch: Path) -> str:

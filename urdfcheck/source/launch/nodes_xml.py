@@ -131,7 +131,7 @@ class _ElementContext:
             if name in element.attributes:
                 typed = element.get(name)
                 conditions = (*conditions, f"{name} {shorten_line(typed)}")
-                off = off or (self.resolver.resolve_text(typed) or "").strip().lower() in excluded
+                off = off or (self.resolver.resolve_condition(typed) or "").strip().lower() in excluded
         namespace = self.resolve_text(element.get("namespace") or element.get("ns"))
         return replace(self, namespace=resolve_name(namespace, self.namespace), conditions=conditions, off=off)
 

@@ -98,7 +98,7 @@ def read_passed_arguments(launch: Path, model: str, finder: PackageFinder) -> li
         data = read_regular(launch, MAX_PYTHON)
     except OSError:
         return []
-    if b"xacro" not in data:
+    if b"xacro" not in data and b"mappings" not in data:
         return []
     if launch.suffix == ".py":
         return list(_read_python(launch, data, model, finder))
@@ -259,10 +259,27 @@ class XacroCallReader:
             function = get_function_name(node)
             if function == "Command" and node.args:
                 yield from self.read_command(node.args[0], model)
-            elif function in {"process_file", "process"} and node.args:
-                mappings = self.texts.follow_name(find_call_argument(node, -1, "mappings"))
-                if isinstance(mappings, ast.Dict) and self.may_mean(self.evaluate(node.args[0]), model):
+            else:
+                mappings = self.find_mappings(node, function, model)
+                if mappings is not None:
                     yield from self.read_mappings(mappings)
+
+    def find_mappings(self, node: ast.Call, function: str, model: str) -> ast.Dict | None:
+        """Return the arguments that a call passes to a model as a mapping: one of xacro's, of MoveIt's, or of a function of the
+        launch file's own that takes the path and the arguments, ``to_urdf(path, {"arm": "left"})``."""
+        named = self.texts.follow_name(find_call_argument(node, 1, "mappings", "xacro_args"))
+        if not isinstance(named, ast.Dict):
+            return None
+        path = find_call_argument(node, 0, "file_path", "xacro_file", "file")
+        if path is not None and path is not named and self.may_mean(self.evaluate(path), model):
+            return named
+        is_builder = function == "robot_description"  # of MoveItConfigsBuilder, which finds the model itself
+        text = "" if path is None else self.evaluate(path)
+        own = os.path.realpath(self.reader.own_folder / "config")
+        is_own = path is None and os.path.dirname(model) == own and model.endswith(".urdf.xacro")
+        return (
+            named if is_builder and (is_own or (text and _UNKNOWN not in text and model.endswith(f"/{text}"))) else None
+        )
 
     def read_command(self, command: ast.expr, model: str) -> Iterator[PassedArgument]:
         """Yield the arguments in ``xacro FILE name:=value …``, a text or the pieces of one."""

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+import operator
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.python_texts import MAX_LENGTH
@@ -19,6 +22,19 @@ _ARGUMENT = re.compile(r"^\s*\$\((?:arg|var)\s+([^\s()]+)\s*\)\s*$")
 _ANY_ARGUMENT = re.compile(r"\$\((?:arg|var)\s+([^\s()]+)\s*\)")
 # An argument that is a word of a command line by itself.
 _WORD = re.compile(r"(?<!\S)\$\((?:arg|var)\s+([^\s()]+)\s*\)(?!\S)")
+# What roslaunch evaluates: the whole value, without other substitutions in it.
+_EVALUATION = re.compile(r"\$\(eval\s+([^$]*)\)")
+_LONGEST_CONDITION = 500
+_COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+    ast.In: lambda one, other: one in other,
+    ast.NotIn: lambda one, other: one not in other,
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +76,7 @@ class SubstitutionResolver:
         """Whether no ``if`` or ``unless`` on the element and around it excludes it, as far as their values are known."""
         while element is not None:
             for name, excluded in (("if", {"false", "0"}), ("unless", {"true", "1"})):
-                if (self.resolve_text(element.get(name)) or "").strip().lower() in excluded:
+                if (self.resolve_condition(element.get(name)) or "").strip().lower() in excluded:
                     return False
             element = element.parent
         return True
@@ -68,10 +84,23 @@ class SubstitutionResolver:
     def has_known_conditions(self, element: Element | None) -> bool:
         """Whether the value of every ``if`` and ``unless`` on the element and around it is known."""
         while element is not None:
-            if any(self.resolve_text(element.get(name)) is None for name in ("if", "unless")):
+            if any(self.resolve_condition(element.get(name)) is None for name in ("if", "unless")):
                 return False
             element = element.parent
         return True
+
+    def resolve_condition(self, text: str) -> str | None:
+        """Return the value of an ``if`` or ``unless``, or None if only the launch decides it.
+
+        A comparison in ``$(eval …)`` is decided where all that it reads is known.
+        """
+        expression = _EVALUATION.fullmatch(text.strip())
+        if expression is None:
+            return self.resolve_text(text)
+        value = evaluate_condition(expression[1], lambda name: self.resolve_text(f"$(arg {name})"))
+        if value is None:
+            self.obstacle = UnresolvedReason("launch-time", text.strip()[2:-1])
+        return None if value is None else str(value)
 
     def resolve_value(self, text: str) -> Value:
         """Return the text with its substitutions resolved, or None and the reason."""
@@ -161,6 +190,60 @@ class SubstitutionResolver:
         value, obstacle = self.known[name]
         self.obstacle = obstacle or self.obstacle
         return value
+
+
+def evaluate_condition(expression: str, get_argument: Callable[[str], str | None]) -> bool | None:
+    """Return whether the expression of ``$(eval …)`` is true, or None if that is not known: of comparisons of texts, numbers and
+    arguments, joined by ``and``, ``or`` and ``not``. Nothing is executed.
+
+    ``get_argument``: returns the value of an argument of the launch file, or None.
+    """
+    try:
+        tree = ast.parse(expression, mode="eval") if len(expression) <= _LONGEST_CONDITION else None
+        return None if tree is None else bool(_evaluate(tree.body, get_argument))
+    except (SyntaxError, ValueError, TypeError, RecursionError, MemoryError):
+        return None
+
+
+def _evaluate(node: ast.expr, get_argument: Callable[[str], str | None]) -> Any:
+    """Return the value of an expression.
+
+    :raises ValueError: if it is not known.
+    """
+    match node:
+        case ast.Constant(value=str() | int() | float() | bool()):
+            return node.value
+        case ast.Name():
+            return _convert_argument(get_argument(node.id))
+        case ast.Call(func=ast.Name(id="arg"), args=[ast.Constant(value=str() as name)], keywords=[]):
+            return _convert_argument(get_argument(name))
+        case ast.UnaryOp(op=ast.Not()):
+            return not _evaluate(node.operand, get_argument)
+        case ast.BoolOp():
+            values = [bool(_evaluate(value, get_argument)) for value in node.values]
+            return all(values) if isinstance(node.op, ast.And) else any(values)
+        case ast.List() | ast.Tuple():
+            return [_evaluate(element, get_argument) for element in node.elts]
+        case ast.Compare():
+            values = [_evaluate(value, get_argument) for value in (node.left, *node.comparators)]
+            if all(type(comparison) in _COMPARISONS for comparison in node.ops):
+                pairs = zip(node.ops, values[:-1], values[1:], strict=True)
+                return all(_COMPARISONS[type(comparison)](one, other) for comparison, one, other in pairs)
+    raise ValueError
+
+
+def _convert_argument(text: str | None) -> str | int | float | bool:
+    """Return the value of an argument as roslaunch hands it to an expression: ``1`` is a number, and ``true`` is True.
+
+    :raises ValueError: if it is not known.
+    """
+    if text is None:
+        raise ValueError
+    text = text.strip()
+    try:
+        return float(text) if "." in text else int(text)
+    except ValueError:
+        return text.lower() == "true" if text.lower() in {"true", "false"} else text
 
 
 def split_command(text: str) -> tuple[str, ...]:

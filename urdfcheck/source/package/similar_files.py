@@ -41,6 +41,9 @@ _ADDRESS = re.compile(r"(?m)^[ \t]*url[ \t]*=[ \t]*(\S.*?)[ \t\r]*$")
 # The files of vcstool, of which so many are read in a folder, and a repository in one with its address.
 _REPOSITORIES, _MOST_REPOSITORY_FILES = ".repos", 10
 _REPOSITORY = re.compile(r"(?m)^[ \t]+([\w./-]+):[ \t]*\n(?:[ \t]+(?!url:)\w+:.*\n)*[ \t]+url:[ \t]*(\S+)")
+# A text for readers, and the address of a repository in it that they are to clone.
+_FOR_READERS = re.compile(r"(?i)(?:readme|install|installation|setup)[\w.-]*\.(?:md|rst|txt)|readme")
+_CLONED = re.compile(r"\bgit clone (?:-{1,2}[\w-]+(?:[ =](?!-)[\w./-]+)? ){0,5}((?:https?://|git@)[\w./:~@-]+\w)")
 # The name of one robot of a series: its word and its number, which may end with letters.
 _VARIANT = re.compile(r"([a-z_-]+)(\d+[a-z]{0,2})$")
 # Words of names; those that packages of all robots have.
@@ -203,6 +206,10 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
             if own is not None:
                 return f"import its repository, which {file.name} lists: `vcs import < {place}`; otherwise {repair}"
             return f"if it is in {join_names(listed, 2)} of {file.name}, import that: `vcs import < {place}`; otherwise {repair}"
+    documented = _find_documented_clone(package, finder)
+    if documented is not None:
+        file, address = documented
+        return f"clone its repository, as {file.name} says: `git clone {address}`; otherwise {repair}"
     if missing and package not in read_released_packages():
         return f"{repair}; or check out a submodule that has it: `git submodule update --init` ({join_names([*missing], 3)})"
     return repair
@@ -255,6 +262,24 @@ def _list_repositories(finder: PackageFinder) -> list[tuple[Path, dict[str, str]
                 continue
             found.append((file, dict(_REPOSITORY.findall(text))))
     return found
+
+
+def _find_documented_clone(package: str, finder: PackageFinder) -> tuple[Path, str] | None:
+    """Return a text for readers around the start that says how to clone the repository of this name, and its address."""
+    for folder in finder.list_parent_folders():
+        try:
+            names = sorted(name for name in os.listdir(folder) if _FOR_READERS.fullmatch(name))
+        except OSError:
+            continue
+        for file in (folder / name for name in names[:_MOST_REPOSITORY_FILES]):
+            try:
+                text = read_regular(file, _MOST_GIT_BYTES).decode("utf-8", "replace") if finder.can_open(file) else ""
+            except OSError:
+                continue
+            address = next((found for found in _CLONED.findall(text) if _cut_path(found) == package), None)
+            if address is not None:
+                return file, address
+    return None
 
 
 def _is_empty(folder: Path) -> bool:

@@ -239,15 +239,38 @@ def _find_place(package: str, path: str, source: Source) -> Path | None:
     return None if folder is None else (folder / path).absolute()
 
 
-def _read_setup(srdf: Srdf, package: Package, source: Source) -> tuple[str, str] | None:
-    """Return the package and the path in it of the file that Setup Assistant made this description for; None if unknown."""
-    try:
-        settings = read_located_yaml(package.path / SETUP_FILE, source.finder)
-    except YamlReadError:
+def read_setup_arguments(folder: Path, source: Source) -> tuple[Path, dict[str, str]] | None:
+    """Return the file of MoveIt's settings in a package, and the arguments in it; None if it has none for the model.
+
+    ``MoveItConfigsBuilder`` passes them to the copy of the model in its own package, ``config/….urdf.xacro``, and else to the
+    model that they name.
+    """
+    urdf, _ = _read_settings(folder, source)
+    words = [word.partition(":=") for word in _get_text(urdf, "xacro_args").split()]
+    arguments = {name: value for name, assigned, value in words if assigned and name}
+    if not arguments:
         return None
+    own = {source.path.absolute(), *(file.path.absolute() for file in source.files.values())}
+    is_copy = source.path.absolute().parent == folder.absolute() / "config"
+    is_named = _find_place(_get_text(urdf, "package"), _get_text(urdf, "relative_path"), source) in own
+    return (folder / SETUP_FILE, arguments) if is_copy or is_named else None
+
+
+def _read_settings(folder: Path, source: Source) -> tuple[YamlValue | None, YamlValue | None]:
+    """Return what MoveIt's settings in the folder of a package say about the model and its description."""
+    try:
+        settings = read_located_yaml(folder / SETUP_FILE, source.finder)
+    except YamlReadError:
+        return None, None
     inner = None if settings is None else settings.get("moveit_setup_assistant_config")
     # MoveIt 2 writes the keys in small letters.
     urdf, made = (None if inner is None else inner.get(k) or inner.get(k.lower()) for k in ("URDF", "SRDF"))
+    return urdf, made
+
+
+def _read_setup(srdf: Srdf, package: Package, source: Source) -> tuple[str, str] | None:
+    """Return the package and the path in it of the file that Setup Assistant made this description for; None if unknown."""
+    urdf, made = _read_settings(package.path, source)
     if _get_text(made, "relative_path") != srdf.path.absolute().relative_to(package.path).as_posix():
         return None
     name, path = _get_text(urdf, "package"), _get_text(urdf, "relative_path")

@@ -33,6 +33,11 @@ _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "
 # None of these patterns searches to the end of the text from each of many places: the next opening bracket ends the search.
 FORWARDED = re.compile(r"""(?<![^\s:="'])([^\s:="']+)\s*:?=\s*\^""")
 ARGUMENT = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
+# The same with a computed name, `$(arg tof_${index}_xyz)`: xacro evaluates the name first. And what is computed in it.
+_COMPUTED_ARGUMENT = re.compile(
+    r"\$\(arg\s+((?:[^\s(){}$]|\$\{[^{}]*\})*\$\{[^{}]*\}(?:[^\s(){}$]|\$\{[^{}]*\})*)\s*\)"
+)
+_COMPUTED_PART = re.compile(r"\$\{[^{}]*\}")
 _PARAMETER = re.compile(r"\$\{\s*(\w+)\s*\}")
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
 
@@ -155,6 +160,28 @@ def collect_read_arguments(trees: Mapping[str, Element]) -> set[str]:
 def _collect_substituted(tree: Element) -> frozenset[str]:
     texts = (text for e in tree.walk() for text in (*(a.value for a in e.attributes.values()), e.text) if "$" in text)
     return frozenset(name for text in texts for name in ARGUMENT.findall(text))
+
+
+def collect_computed_arguments(trees: Mapping[str, Element]) -> set[str]:
+    """Return the names of arguments that are computed where they are read, as typed: ``tof_${index}_xyz``."""
+    return set().union(*map(_collect_computed, trees.values()))
+
+
+@tree_fact
+def _collect_computed(tree: Element) -> frozenset[str]:
+    texts = (text for e in tree.walk() for text in (*(a.value for a in e.attributes.values()), e.text) if "$" in text)
+    return frozenset(name for text in texts for name in find_computed_arguments(text))
+
+
+def find_computed_arguments(text: str) -> list[str]:
+    """Return the names of the arguments that a text reads and whose names it computes, as typed."""
+    return _COMPUTED_ARGUMENT.findall(text) if "$(arg" in text else []
+
+
+def may_be_name(typed: str, name: str) -> bool:
+    """Whether a name that is computed, as typed, may be this one."""
+    pattern = ".*".join(map(re.escape, _COMPUTED_PART.split(typed)))
+    return re.fullmatch(pattern, name) is not None
 
 
 def find_unprefixed_tags(
