@@ -187,7 +187,7 @@ def _may_be_drawn_wrong(model: Model, wheel: _SuspectWheel, witness: _AxisEviden
     """Whether a typed axis may be right, and the drawing be the one that was not rotated: no other wheel of the ``wheels`` shows
     that the axle is as it is drawn.
 
-    The axle points to the wheel on the other side; where no names tell the sides, to some wheel, or outwards as those of all
+    The axle points to the wheel on the other side; where names show no sides, to some wheel, or outwards as those of all
     others around a base. A joint with a vertical axis turns no wheel that is drawn upright, and a rotation that was forgotten is
     a quarter turn.
     """
