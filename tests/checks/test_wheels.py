@@ -349,7 +349,8 @@ def test_wheels_far_above_the_ground_are_something_else(tmp_path: Path) -> None:
 WHEEL_MACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
 <link name="base"/>
 <xacro:macro name="wheel" params="name x y turn">
-<link name="${{name}}_wheel"><visual><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>
+<link name="${{name}}_wheel">
+<visual><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>
 </link>
 <joint name="${{name}}" type="continuous"><parent link="base"/><child link="${{name}}_wheel"/>
 <origin xyz="${{x}} ${{y}} 0" rpy="${{turn}} 0 0"/><axis xyz="0 1 0"/></joint>
@@ -370,8 +371,9 @@ def test_a_line_that_makes_wheels_of_both_directions_is_not_edited(tmp_path: Pat
     assert len(found) == 1
     assert found[0].fix is not None
     assert not found[0].fix.edits
-    assert f"give the macro a parameter for the axis, and invert it (all three signs) for {', '.join(turned)} alone" in (
-        found[0].fix.title
+    assert (
+        f"give the macro a parameter for the axis, and invert it (all three signs) for {', '.join(turned)} alone"
+        in (found[0].fix.title)
     )
 
 

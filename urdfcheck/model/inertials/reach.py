@@ -27,7 +27,8 @@ def measure_reach(model: Model, *, with_shapes: bool) -> float | None:
     """Measure the length (m) of the robot stretched out: the longest path along its joints' origins and the travel of prismatic
     joints, ``with_shapes`` from a shape that is known to another one; None where too few joints are apart to say so.
 
-    No two points that the file places are farther apart in any configuration, but meshes that cannot be read reach farther than their own origins.
+    No two points that the file places are farther apart in any configuration, but meshes that cannot be read reach farther than
+    their own origins.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -63,8 +64,8 @@ def has_known_shapes(model: Model, name: str) -> bool:
 
 
 def has_placed_frame(model: Model, link: str) -> bool:
-    """Whether a joint of the link's rigid body is away from its parent's frame: otherwise all frames may be in one place, as in an
-    export in the coordinates of an assembly, and parts and COMs are away from them.
+    """Whether a joint of the link's rigid body is away from its parent's frame: otherwise all frames may be in one place, as in
+    an export in the coordinates of an assembly, and parts and COMs are away from them.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
