@@ -22,7 +22,7 @@ _MOBILE_NAME = re.compile(
     re.IGNORECASE,
 )
 # Limbs that handle things; in a name like larm or r_gripper_l_finger, not in alarm or swarm.
-_HANDLING_NAME = re.compile(
+HANDLING_NAME = re.compile(
     r"(?:^|[^a-z]|(?<=[a-z])(?=[A-Z])|(?:^|[^a-z])[lr])(?:arm(?!at)|finger|thumb|gripper|jaw|hand|palm|knuckle)",
     re.IGNORECASE,
 )
@@ -191,7 +191,7 @@ def _is_handling_limb(model: Model, first: Joint) -> bool:
     waiting = [first]
     while waiting:
         joint = waiting.pop()
-        if _HANDLING_NAME.search(joint.name) or _HANDLING_NAME.search(joint.child):
+        if HANDLING_NAME.search(joint.name) or HANDLING_NAME.search(joint.child):
             return True
         waiting += model.tree.child_joints[joint.child]
     return False
