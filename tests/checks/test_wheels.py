@@ -377,6 +377,19 @@ def test_a_line_that_makes_wheels_of_both_directions_is_not_edited(tmp_path: Pat
     )
 
 
+@pytest.mark.parametrize(("base", "found"), [('<box size="0.3 0.15 0.05"/>', 1), ('<mesh filename="gone.stl"/>', 0)])
+def test_parts_without_a_wheels_name_roll_only_below_all_that_is_known(tmp_path: Path, base: str, found: int) -> None:
+    """A mesh that was not read may reach lower than the two round parts."""
+    drawn = '<visual><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>'
+    parts = "".join(
+        f'<link name="part_{side}">{drawn}</link><joint name="turn_{side}" type="continuous"><parent link="base"/>'
+        f'<child link="part_{side}"/><origin xyz="0 {y} 0"/><axis xyz="0 {axis} 0"/></joint>'
+        for side, y, axis in (("left", 0.1, 1), ("right", -0.1, -1))
+    )
+    text = f'<robot name="r"><link name="base"><visual><geometry>{base}</geometry></visual></link>{parts}</robot>'
+    assert len(check_text(tmp_path, text, "robot.urdf", codes={"SYM005"}).findings) == found
+
+
 # -- JNT015 ----------------------------------------------------------------------------------------------------------------
 
 

@@ -13,7 +13,6 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.reach import (
-    has_known_shapes,
     has_placed_frame,
     is_all_known,
     measure_own_size,
@@ -22,7 +21,7 @@ from urdfcheck.model.inertials.reach import (
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.parts import Link
 from urdfcheck.model.shapes.bounds import has_drawn_shape
-from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.corners import collect_body_corners, has_known_shapes
 
 # What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is
 # in another than kg·m²: the square root of the unit's factor.
@@ -206,7 +205,7 @@ def _build_finding(
 def _describe_near(model: Model, message: str, far: _FarLink) -> str:
     """Say how far what the file places on a link reaches, as a sentence about its COM or a clause about its tensor."""
     body = model.tree.list_body_links(far.link.name)
-    if not all(has_known_shapes(model, name) for name in body):
+    if not all(has_known_shapes(model, model.link_by_name[name]) for name in body):
         return _UNREAD[message].format(_format_own(far))
     return _NEAR[message].format(_format_own(far))
 

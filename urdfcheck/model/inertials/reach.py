@@ -10,7 +10,7 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.corners import compute_shape_corners
+from urdfcheck.model.shapes.corners import compute_shape_corners, has_known_shapes
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -54,13 +54,7 @@ def is_beyond_reach(model: Model, distance: float) -> bool:
 @fact
 def is_all_known(model: Model) -> bool:
     """Whether the size of every shape is known: a mesh that is missing, or that cannot be read, may reach anywhere."""
-    return all(has_known_shapes(model, link.name) for link in model.links)
-
-
-def has_known_shapes(model: Model, name: str) -> bool:
-    """Whether the size of every shape of a link is known; also where it has none."""
-    link = model.link_by_name[name]
-    return all(compute_shape_corners(model, shape) is not None for shape in (*link.visuals, *link.collisions))
+    return all(has_known_shapes(model, link) for link in model.links)
 
 
 def has_placed_frame(model: Model, link: str) -> bool:
