@@ -102,12 +102,13 @@ def list_unturned_links(model: Model) -> Sequence[str]:
 
 @fact
 def is_untouched(model: Model) -> bool:
-    """Whether a model is one body that nothing turns: no joint moves, it collides with nothing, neither a simulator's plugin nor
+    """Whether a model is one part that nothing turns: no joint moves, it collides with nothing, neither a simulator's plugin nor
     a rotor pushes it, and no file that includes it fixes it to something that moves."""
     if model.source.is_part or has_elements(model) or any(joint.is_movable for joint in model.joints):
         return False
+    parts = [link for link in model.links if link.inertial is not None or link.visuals or link.collisions]
     names = " ".join(link.name for link in model.links)
-    return not any(link.collisions for link in model.links) and _MOBILE_NAME.search(names) is None
+    return len(parts) == 1 and not parts[0].collisions and _MOBILE_NAME.search(names) is None
 
 
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
