@@ -84,7 +84,9 @@ def test_a_radius_of_gyration_shows_the_tensor_for_the_mass(tmp_path: Path) -> N
 def test_a_lost_unit_is_found(tmp_path: Path, factors: dict[str, float], message: str, severity: Severity) -> None:
     (found,) = find_far(tmp_path, make_arm(**factors))  # type: ignore[arg-type]
     assert (found.code, found.message_id, found.severity) == ("INR018", message, severity)
-    assert (found.confidence is Confidence.PROOF) == (severity is Severity.ERROR)
+    assert found.confidence is Confidence.STRONG, "the mesh may reach anywhere"
+    (drawn,) = find_far(tmp_path, make_arm(**factors, drawn=""))  # type: ignore[arg-type]
+    assert (drawn.confidence is Confidence.PROOF) == (severity is Severity.ERROR)
     assert found.cause is None, "a single link fits several units"
     assert found.location.subject.startswith("link[l1]")
 
@@ -175,3 +177,19 @@ def test_the_spread_along_three_axes_together_is_that_of_a_longer_body(tmp_path:
     )
     (found,) = [finding for finding in find(tmp_path, text, "INR018") if finding.message_id == "spread"]
     assert found.severity == Severity.WARNING
+
+
+def test_a_mesh_that_was_not_read_is_not_said_to_be_nothing(tmp_path: Path) -> None:
+    (unread,) = find_far(tmp_path, make_arm(com=1e3))
+    assert "A mesh of the link was not read" in unread.message
+    assert "the robot's joints, stretched out, span" in unread.message
+    assert "the joints span" in unread.headline
+    (undrawn,) = find_far(tmp_path, make_arm(com=1e3, drawn=""))
+    assert "Nothing that the file places on the link is farther" in undrawn.message
+    assert "the robot is" in undrawn.headline
+
+
+def test_an_unread_mesh_reaches_to_its_origin_at_least(tmp_path: Path) -> None:
+    placed = MESH.replace("<geometry>", '<origin xyz="1.8 0 0"/><geometry>')
+    assert find_far(tmp_path, make_arm(com=15.0, drawn=MESH)) != []
+    assert find_far(tmp_path, make_arm(com=15.0, drawn=placed)) == []

@@ -242,3 +242,28 @@ def test_impossible_products_may_be_those_about_the_origin(tmp_path: Path, drawn
     assert finding.cause is not None
     assert finding.cause.id == "products_sign"
     assert finding.fix is None or not finding.fix.edits
+
+
+@pytest.mark.parametrize(
+    ("more", "severity"),
+    [
+        ("", Severity.INFO),
+        (
+            '<link name="rotor_1"/><joint name="j" type="fixed"><parent link="ball"/><child link="rotor_1"/></joint>',
+            None,
+        ),
+        ('<gazebo><plugin name="p" filename="libbuoyancy.so"/></gazebo>', None),
+    ],
+)
+def test_a_placeholder_of_one_body_that_touches_nothing_is_an_info(
+    tmp_path: Path, more: str, severity: Severity | None
+) -> None:
+    ball = (
+        '<link name="ball"><inertial><mass value="0.13"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>'
+        '{}<visual><geometry><sphere radius="0.1"/></geometry></visual></link>'
+    )
+    (finding,) = find(tmp_path, f'<robot name="r">{ball.format("")}{more}</robot>', "INR007")
+    assert finding.severity == (severity or Severity.ERROR)
+    touching = ball.format('<collision><geometry><sphere radius="0.1"/></geometry></collision>')
+    (finding,) = find(tmp_path, f'<robot name="r">{touching}{more}</robot>', "INR007")
+    assert finding.severity == Severity.ERROR

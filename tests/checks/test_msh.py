@@ -1033,3 +1033,18 @@ def test_a_unit_matters_where_a_program_ignores_it(
     parts = link("a", shape(role, "part.dae")), link("b"), joint("j", "a", "b", limit(0, 1), kind=kind, xyz="0.3 0 0")
     (finding,) = find(tmp_path, robot(*parts), "MSH008")
     assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("kind", "message"), [("fixed", "unit-drawn"), ("revolute", "unit")])
+def test_scenery_is_larger_than_a_robot(tmp_path: Path, kind: str, message: str) -> None:
+    """A hall of 16 m, or of 640 m where its unit is ignored: the first is not said to be wrong."""
+    manifest = "<package><name>hall</name><depend>rviz</depend></package>"
+    (tmp_path / "package.xml").write_text(manifest, encoding="utf-8")
+    (tmp_path / "hall.dae").write_text(collada(0.0254, 640.0), encoding="utf-8")
+    parts = (
+        link("a", shape("visual", "hall.dae")),
+        link("b"),
+        joint("j", "a", "b", limit(0, 1), kind=kind, xyz="0.3 0 0"),
+    )
+    (finding,) = [one for one in find(tmp_path, robot(*parts), "MSH008") if one.message_id.startswith("unit")]
+    assert finding.message_id == message

@@ -374,8 +374,10 @@ def test_the_numbers_that_are_written_are_those_of_a_copy(tmp_path: Path) -> Non
     assert not (finding.fix and finding.fix.edits)
 
 
-def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path) -> None:
-    body = drawn() + make_lump_inertial().replace('mass value="0.4321"', 'mass value="${m}"')
+@pytest.mark.parametrize("typed", ["${m}", "${1.0*m}"])
+def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path, typed: str) -> None:
+    """A number that its calls hand on is: each has its own."""
+    body = drawn() + make_lump_inertial().replace('mass value="0.4321"', f'mass value="{typed}"')
     macro = re.sub(
         r'<link name="(\w+)_part">.*?</link>', r'<xacro:part name="\1" m="0.4321"/>', make_parts_on_base(*FOUR)
     )
@@ -384,8 +386,11 @@ def test_a_line_that_a_macro_shares_is_not_edited(tmp_path: Path) -> None:
     (finding,) = find_odd_inertia(
         tmp_path, text.replace('name="rr" m="0.4321"', 'name="rr" m="0.5"'), "robot.urdf.xacro"
     )
-    assert finding.message_id == "computed"
     assert finding.fix is not None
+    if typed == "${m}":
+        assert [(edit.expected, edit.replacement) for edit in finding.fix.edits] == [("0.5", "0.4321")]
+        return
+    assert finding.message_id == "computed"
     assert not finding.fix.edits
     assert finding.fix.title.startswith('give rr_part mass value="0.4321"')
 

@@ -491,6 +491,35 @@ def test_a_macro_that_forgets_to_reflect_is_not_edited(tmp_path: Path) -> None:
     assert re.search(r'iyz="\$\{reflect\*-?[0-9.e-]+\}"', finding.fix.title)
 
 
+@pytest.mark.parametrize("has_products", [True, False])
+def test_a_block_that_a_call_hands_to_the_macro_belongs_to_one_side(tmp_path: Path, has_products: bool) -> None:
+    """One macro makes both inertials, and each call has its own COM: that is the line to change."""
+    arm = make_box_link("arm", PARTS["arm"][0])
+    inertial, origin = arm.findall("inertial")[0], arm.findall("inertial/origin")[0]
+    visuals = "".join(ET.tostring(visual, encoding="unicode") for visual in arm.findall("visual"))
+    inertial.remove(origin)
+    if not has_products:
+        inertial.findall("inertia")[0].attrib.update(ixy="0", ixz="0", iyz="0")
+    body = ET.tostring(inertial, encoding="unicode").replace("<inertial>", '<inertial><xacro:insert_block name="com"/>')
+    macro = f'<xacro:macro name="weigh" params="*com">{body}</xacro:macro>'
+    call = f"<xacro:weigh>{ET.tostring(origin, encoding='unicode')}</xacro:weigh>"
+    links = [
+        f'<link name="{side}_arm">{call}{visuals.replace("0.03 0.06", f"0.03 {y}")}</link><joint name="{side}_shoulder" '
+        f'type="revolute"><parent link="torso"/><child link="{side}_arm"/><origin xyz="0 {place} 0.3"/><axis xyz="0 1 0"/>'
+        '<limit lower="-1" upper="1" effort="9" velocity="2"/></joint>'
+        for side, y, place in (("left", "0.06", 0.2), ("right", "-0.06", -0.2))
+    ]
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="torso"/>{macro}{"".join(links)}</robot>'
+    (finding,) = check_text(tmp_path, text, "robot.urdf.xacro", codes={"SYM004", "INR009"}).findings
+    assert finding.fix is not None
+    if has_products:
+        assert not finding.fix.edits
+        assert re.match(r'write xyz="[^$"]+" in right_arm and give the macro a parameter', finding.fix.title)
+    else:
+        assert len(finding.fix.edits) == 1
+        assert "macro" not in finding.fix.title
+
+
 def test_a_side_whose_macro_computes_its_numbers_leads_to_their_definitions(tmp_path: Path) -> None:
     arm = make_box_link("arm", PARTS["arm"][0])
     inertial = ET.tostring(arm.findall("inertial")[0], encoding="unicode")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import pytest
 from builders import box, find, inertial, joint, limit, link, robot, visual
 
 from urdfcheck.core import Finding, Severity
@@ -67,3 +68,44 @@ def test_a_com_outside_its_drawing_that_the_other_side_repairs_is_reported_once(
     findings = find_pair(tmp_path, drawn, *sides, codes={"SYM004", "INR006"})
     assert [(finding.code, finding.message_id) for finding in findings] == [("SYM004", "inertial")]
     assert "e-1" not in findings[0].message
+
+
+def make_hips(*, place: str, rpy: str, knee: str) -> str:
+    """Two legs; the right hip's roll joint is off, and its knee may turn back."""
+    parts = ['<link name="base"/>']
+    for side, y, at, turn, back in (("left", 0.1, "0.055 0.07 0", "0 0 0", "0 0 0"), ("right", -0.1, place, rpy, knee)):
+        for part, mass in (("hip", 1.1), ("thigh", 2.2), ("shank", 1.7)):
+            parts.append(
+                f'<link name="{side}_{part}"><inertial><origin xyz="0 0 -0.1"/><mass value="{mass}"/>'
+                '<inertia ixx="0.02" ixy="0" ixz="0" iyy="0.021" iyz="0" izz="0.003"/></inertial></link>'
+            )
+        for name, parent, child, xyz, angles, axis in (
+            ("pitch", "base", f"{side}_hip", f"0 {y} 0", "0 0 0", "0 1 0"),
+            ("roll", f"{side}_hip", f"{side}_thigh", at, turn, "1 0 0"),
+            ("knee", f"{side}_thigh", f"{side}_shank", "0 0 -0.3", back, "0 1 0"),
+        ):
+            parts.append(
+                f'<joint name="{side}_{name}" type="revolute"><parent link="{parent}"/><child link="{child}"/>'
+                f'<origin xyz="{xyz}" rpy="{angles}"/><axis xyz="{axis}"/>'
+                '<limit lower="-1" upper="1" effort="9" velocity="2"/></joint>'
+            )
+    return f'<robot name="legs">{"".join(parts)}</robot>'
+
+
+@pytest.mark.parametrize(
+    ("place", "knee", "said"),
+    [
+        ("0.055 -0.07 0", "0 0 0", "tilt"),
+        ("0.0549931 -0.07 0.000872784", "0 0 0", "together"),
+        ("0.055 -0.07 0", "0 0.0158737 0", "together"),
+        ("0.055 -0.07 0", "0 0.0358737 0", "tilt"),
+    ],
+)
+def test_a_frame_that_is_turned_with_its_part_is_not_set_straight_alone(
+    tmp_path: Path, place: str, knee: str, said: str
+) -> None:
+    text = make_hips(place=place, rpy="0 -0.0158773 0", knee=knee)
+    (finding,) = [one for one in find(tmp_path, text, "SYM001") if "right_roll" in one.location.subject]
+    assert finding.message_id == said
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == (said == "tilt")

@@ -346,6 +346,50 @@ def test_wheels_far_above_the_ground_are_something_else(tmp_path: Path) -> None:
         assert not find_in_car(tmp_path, "SYM006", replace(FOUR, wheels=(*CORNERS, *extra)))
 
 
+WHEEL_MACRO = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<link name="base"/>
+<xacro:macro name="wheel" params="name x y turn">
+<link name="${{name}}_wheel">
+<visual><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>
+</link>
+<joint name="${{name}}" type="continuous"><parent link="base"/><child link="${{name}}_wheel"/>
+<origin xyz="${{x}} ${{y}} 0" rpy="${{turn}} 0 0"/><axis xyz="0 1 0"/></joint>
+</xacro:macro>
+{calls}
+</robot>
+"""
+
+
+@pytest.mark.parametrize("turned", [("rr",), ("fr", "rr")])
+def test_a_line_that_makes_wheels_of_both_directions_is_not_edited(tmp_path: Path, turned: tuple[str, ...]) -> None:
+    places = {"fl": (0.2, 0.1), "fr": (0.2, -0.1), "rl": (-0.2, 0.1), "rr": (-0.2, -0.1)}
+    calls = "".join(
+        f'<xacro:wheel name="{name}" x="{x}" y="{y}" turn="{3.14159265 if name in turned else 0.0}"/>'
+        for name, (x, y) in places.items()
+    )
+    found = check_text(tmp_path, WHEEL_MACRO.format(calls=calls), "robot.urdf.xacro", codes={"SYM005"}).findings
+    assert len(found) == 1
+    assert found[0].fix is not None
+    assert not found[0].fix.edits
+    assert (
+        f"give the macro a parameter for the axis, and invert it (all three signs) for {', '.join(turned)} alone"
+        in (found[0].fix.title)
+    )
+
+
+@pytest.mark.parametrize(("base", "found"), [('<box size="0.3 0.15 0.05"/>', 1), ('<mesh filename="gone.stl"/>', 0)])
+def test_parts_without_a_wheels_name_roll_only_below_all_that_is_known(tmp_path: Path, base: str, found: int) -> None:
+    """A mesh that was not read may reach lower than the two round parts."""
+    drawn = '<visual><origin rpy="1.5708 0 0"/><geometry><cylinder radius="0.05" length="0.02"/></geometry></visual>'
+    parts = "".join(
+        f'<link name="part_{side}">{drawn}</link><joint name="turn_{side}" type="continuous"><parent link="base"/>'
+        f'<child link="part_{side}"/><origin xyz="0 {y} 0"/><axis xyz="0 {axis} 0"/></joint>'
+        for side, y, axis in (("left", 0.1, 1), ("right", -0.1, -1))
+    )
+    text = f'<robot name="r"><link name="base"><visual><geometry>{base}</geometry></visual></link>{parts}</robot>'
+    assert len(check_text(tmp_path, text, "robot.urdf", codes={"SYM005"}).findings) == found
+
+
 # -- JNT015 ----------------------------------------------------------------------------------------------------------------
 
 

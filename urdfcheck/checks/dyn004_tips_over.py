@@ -16,6 +16,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.ground.stance import find_stance
 from urdfcheck.model.ground.support_polygon import LinkMass, compute_contact_points
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
+from urdfcheck.model.shapes.corners import has_known_shapes
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
@@ -75,12 +76,15 @@ def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Fi
 
 
 def _lacks_chassis_mass(model: Model) -> bool:
-    """Whether the largest part of the root's body has no ``<inertial>``."""
+    """Whether the largest part of the root's body has no ``<inertial>``, or one of unknown size has none."""
     sizes = {
         name: measure_extent(drawn.points)
         for name in model.tree.list_body_links(model.tree.root)
         if (drawn := measure_link_geometry(model, model.link_by_name[name])) is not None
     }
+    base = [model.link_by_name[name] for name in model.tree.list_body_links(model.tree.root)]
+    if any(link.inertial is None and not has_known_shapes(model, link) for link in base):
+        return True
     return bool(sizes) and model.link_by_name[max(sizes, key=lambda name: sizes[name])].inertial is None
 
 

@@ -11,11 +11,15 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
-from urdfcheck.model import Link, Model
+from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.ground.support_polygon import LEG
+from urdfcheck.model.motion.fixed_base import HANDLING_NAME
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.stated_reasons import has_commented_child
 from urdfcheck.model.use.simulators import is_left_aside, is_started_in_simulator
+from urdfcheck.model.wheel_names import WHEEL_NAME
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 if TYPE_CHECKING:
@@ -85,7 +89,23 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
             continue
         link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
-        yield rule.finding("missing", at=link, link=link.name, joint=joint.name, bodies=len(moving) - len(bare))
+        is_left_out = not _handles_or_rolls(joint) and any(
+            has_commented_child(model, model.link_by_name[name].element, "collision") for name in body.links
+        )
+        yield rule.finding(
+            "left_out" if is_left_out else "missing",
+            at=link,
+            severity=Severity.INFO if is_left_out else None,
+            link=link.name,
+            joint=joint.name,
+            bodies=len(moving) - len(bare),
+        )
+
+
+def _handles_or_rolls(joint: Joint) -> bool:
+    """Whether a joint moves what has to touch something, by its kind or its names: a wheel, a finger, a leg."""
+    names = f"{joint.name} {joint.child}"
+    return joint.type == "continuous" or any(one.search(names) for one in (HANDLING_NAME, WHEEL_NAME, LEG))
 
 
 def _is_on_bare_base(model: Model, body: RigidLinkGroup) -> bool:

@@ -21,7 +21,7 @@ from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
-from urdfcheck.model.motion.fixed_base import is_ballast, list_unturned_links
+from urdfcheck.model.motion.fixed_base import is_ballast, is_untouched, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
@@ -44,6 +44,7 @@ _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
 _TOO_LARGE_BASE = {"gazebo": "too much inertia makes the robot tilt and turn sluggishly", "mujoco": "loads it"}
+_UNFELT = {"gazebo": "loads it", "mujoco": "loads it"}
 _TOO_SMALL = {
     "gazebo": "too little inertia makes a joint shake or explode",
     "mujoco": "too little inertia makes the simulation unstable at the default time step",
@@ -250,7 +251,14 @@ def _build_tensor_finding(
         is_felt = any(suspect.misfit is not None and suspect.misfit.is_felt for suspect in known)
         is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
-        kinds = {"bolted": is_bolted, "chosen": is_chosen, "estimate": is_estimate, "placeholder": is_felt}
+        is_bodiless = is_untouched(model)
+        kinds = {
+            "bolted": is_bolted,
+            "chosen": is_chosen,
+            "estimate": is_estimate,
+            "untouched": is_bodiless,
+            "placeholder": is_felt,
+        }
         message = next((kind for kind, fits in kinds.items() if fits), "rod")
         finding = rule.finding(
             message,
@@ -259,13 +267,15 @@ def _build_tensor_finding(
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
-            severity=Severity.INFO if is_bolted or is_chosen or is_estimate else _judge_severity(model, known),
+            severity=Severity.INFO
+            if is_bolted or is_bodiless or is_chosen or is_estimate
+            else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
-            consequences=too_large if is_less else _TOO_SMALL,
+            consequences=_UNFELT if message == "untouched" else too_large if is_less else _TOO_SMALL,
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))

@@ -12,11 +12,16 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
-from urdfcheck.model.inertials.reach import measure_own_size, measure_reach
+from urdfcheck.model.inertials.reach import (
+    has_placed_frame,
+    is_all_known,
+    measure_own_size,
+    measure_reach,
+)
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.parts import Link
 from urdfcheck.model.shapes.bounds import has_drawn_shape
-from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.corners import collect_body_corners, has_known_shapes
 
 # What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is
 # in another than kg·m²: the square root of the unit's factor.
@@ -32,6 +37,17 @@ _POSSIBLE = 1.5
 _MOST_TYPED = 1.0
 # Fewer links fit several units, or one by chance: the usual shares span more than two powers of ten.
 _LEAST_LINKS = 3
+_ROBOT = "the robot, stretched out, is {} long"
+# Of meshes that were not read only the origins are known.
+_JOINTS = "the robot's joints, stretched out, span {}"
+_NEAR = {
+    "com": "Nothing that the file places on the link is farther than {} from it",
+    "spread": "all that is placed on the link is within {}",
+}
+_UNREAD = {
+    "com": "A mesh of the link was not read. All else that the file places there is within {}",
+    "spread": "a mesh of the link was not read, and all else that is placed there is within {}",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,13 +92,15 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             is_beyond_own = far.own > 0.05 * reach and far.distance > own * far.own
             if far.distance > impossible * reach:
                 grave.append(far)
+            elif index == 0 and not has_placed_frame(model, name):
+                continue  # nothing says where the part is
             elif far.distance > whole * reach or is_beyond_own or (far.total > whole * reach and name not in bolted):
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
         # The robot that includes a part may be longer than it.
         for links, severity in ((grave, Severity.ERROR), ([] if model.source.is_part else odd, None)):
             if links:
-                yield _build_finding(rule, message, links, unit=unit, reach=reach, severity=severity)
+                yield _build_finding(model, rule, message, links, unit=unit, reach=reach, severity=severity)
 
 
 def _measure_lengths(declared: CompleteInertial) -> tuple[float, float, float] | None:
@@ -145,6 +163,7 @@ def _find_unit(message: str, links: Sequence[_FarLink], units: Mapping[str, floa
 
 
 def _build_finding(
+    model: Model,
     rule: Rule,
     message: str,
     links: list[_FarLink],
@@ -157,22 +176,39 @@ def _build_finding(
     typed = {_describe_typed(message, far) for far in links}
     placeholder = typed.pop() if len(typed) == 1 else None
     places = [far.link.inertial.element for far in links if far.link.inertial is not None]
+    length = format_length(reach)
+    is_known = is_all_known(model)
     return build_group_finding(
         rule,
         message,
         places,
         cause="unit" if unit else "placeholder" if placeholder else None,
         severity=severity,
-        confidence=Confidence.PROOF if severity is not None else None,
+        confidence=Confidence.PROOF if severity is not None and is_known else None,
         link=farthest.link.name if len(links) == 1 else f"{len(links)} links",
         links=join_names(far.link.name for far in links),
         farthest="" if len(links) == 1 else f" ({farthest.link.name})",
         length=format_length(farthest.distance),
         distance=farthest.distance,
         span=format_length(2.0 * farthest.distance),  # no shorter body has such a spread
-        reach=format_length(reach),
+        reach=length,
+        robot=f"the robot is {length}" if is_known else f"the joints span {length}",
+        stretched=_ROBOT.format(length) if is_known else _JOINTS.format(length),
+        near=_describe_near(model, message, farthest),
         times=float(f"{farthest.distance / reach:.2g}"),
-        own=format_length(farthest.own) if farthest.own > 0 else "0 mm",
+        own=_format_own(farthest),
         unit=unit,
         what=placeholder or "",
     )
+
+
+def _describe_near(model: Model, message: str, far: _FarLink) -> str:
+    """Say how far what the file places on a link reaches, as a sentence about its COM or a clause about its tensor."""
+    body = model.tree.list_body_links(far.link.name)
+    if not all(has_known_shapes(model, model.link_by_name[name]) for name in body):
+        return _UNREAD[message].format(_format_own(far))
+    return _NEAR[message].format(_format_own(far))
+
+
+def _format_own(far: _FarLink) -> str:
+    return format_length(far.own) if far.own > 0 else "0 mm"

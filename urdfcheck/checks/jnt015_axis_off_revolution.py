@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 _SQUARE = 0.02
 # So many wheels around a base show whether axes point outwards.
 _RING = 3
+# The part of an axis that is upright, beyond which a wheel spins like a top rather than rolls (chosen).
+_STEEP = 0.7
 # Of a revolute joint (rad), in three digits.
 _WHOLE_TURN = 6.28
 # kg m²: a wheel of 5 cm and 10 g has 1e-5 more about its axle than across it.
@@ -87,7 +89,7 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
             continue  # the steered wheel of a tricycle, with one joint for both
         if joint in upright and is_steered_in_sdf(model, joint.name):
             continue  # the URDF shows how it is steered, and the SDF has a second axis for rolling
-        yield from _check_wheel(model, rule, joint, limit=math.radians(limit), eccentric=eccentric)
+        yield from _check_wheel(model, rule, joint, wheels, limit=math.radians(limit), eccentric=eccentric)
 
 
 def _is_named_wheel(joint: Joint) -> bool:
@@ -113,7 +115,9 @@ def _may_steer(joint: Joint) -> bool:
     return lower is None or upper is None or 0.0 < abs(upper - lower) < _WHOLE_TURN
 
 
-def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccentric: float) -> Iterator[Finding]:
+def _check_wheel(
+    model: Model, rule: Rule, joint: Joint, wheels: Sequence[Joint], *, limit: float, eccentric: float
+) -> Iterator[Finding]:
     link = model.link_by_name[joint.child]
     axis = np.array(joint.axis or (1.0, 0.0, 0.0))
     axis = axis / np.linalg.norm(axis)
@@ -130,7 +134,8 @@ def _check_wheel(model: Model, rule: Rule, joint: Joint, *, limit: float, eccent
         yield _build_lying_finding(rule, wheel, drawn=drawn, limit=limit)
         return
     if drawn and not others:
-        yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit)
+        is_either = _may_be_drawn_wrong(model, wheel, drawn[0], wheels)
+        yield _build_axis_finding(model, rule, wheel, drawn=drawn[0], limit=limit, is_either=is_either)
         return
     upright = next((witness for witness in against if _stands_across(model, wheel, witness)), None)
     if upright is not None:
@@ -176,6 +181,32 @@ def _lies_flat(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence) -> bo
     own = model.frames[wheel.link.name][:3, :3] @ witness.axis
     is_level = abs(float(model.axes[wheel.joint.name][2])) < _SQUARE
     return witness.is_wheel and is_level and wheel.joint.axis is not None and abs(abs(float(own[2])) - 1) < _SQUARE
+
+
+def _may_be_drawn_wrong(model: Model, wheel: _SuspectWheel, witness: _AxisEvidence, wheels: Sequence[Joint]) -> bool:
+    """Whether a typed axis may be right, and the drawing be the one that was not rotated: no other wheel of the ``wheels`` shows
+    that the axle is as it is drawn.
+
+    The axle points to the wheel on the other side; where names show no sides, to some wheel, or outwards as those of all
+    others around a base. A joint with a vertical axis turns no wheel that is drawn upright, and a rotation that was forgotten is
+    a quarter turn.
+    """
+    joint = wheel.joint
+    frame = model.frames[joint.child]
+    axis, own = frame[:3, :3] @ wheel.axis, frame[:3, :3] @ witness.axis
+    is_quarter = abs(float(axis @ own)) < LEVEL
+    if joint.axis is None or joint.axis_element is None or not is_quarter or abs(float(axis[2])) > _STEEP:
+        return False
+    sides = {name for names in list_named_pairs(model) if joint.child in names for name in names} - {joint.child}
+    others = [other for other in wheels if other is not joint]
+    counterparts = [other for other in others if other.child in sides] or others
+    ways = [model.frames[other.child][:3, 3] - frame[:3, 3] for other in counterparts]
+    lines = [way / length for way in ways if (length := float(np.linalg.norm(way))) > 0.0]
+    along_own, along_axis = (any(abs(float(line @ one)) > 1 - LEVEL for line in lines) for one in (own, axis))
+    if along_own != along_axis:
+        return along_axis
+    rolling = [one for one in rolling_wheels(model) if one.joint is not joint]
+    return not _find_sign_in_ring(model, joint, own, rolling)
 
 
 def _measure_offset(witness: _AxisEvidence, axis: Array) -> float:
@@ -290,9 +321,9 @@ def _is_negligible(inertial: Inertial) -> bool:
 
 
 def _build_axis_finding(
-    model: Model, rule: Rule, wheel: _SuspectWheel, *, drawn: _AxisEvidence, limit: float
+    model: Model, rule: Rule, wheel: _SuspectWheel, *, drawn: _AxisEvidence, limit: float, is_either: bool
 ) -> Finding:
-    """Report a joint axis that all evidence contradicts."""
+    """Report a joint axis that all evidence contradicts; ``is_either``: unless the part was drawn without its rotation."""
     joint = wheel.joint
     sign, is_decided = _choose_axis_sign(model, joint, drawn.axis)
     own = drawn.axis * sign
@@ -300,9 +331,10 @@ def _build_axis_finding(
     attribute = None if element is None else element.attributes.get("xyz")
     agreeing = [witness.kind for witness in wheel.evidence if measure_line_angle(witness.axis, drawn.axis) <= limit]
     return rule.finding(
-        "default" if attribute is None else "axis",
+        "either" if is_either else "default" if attribute is None else "axis",
         at=joint.axis_location,
-        edits=edit_numbers(attribute, _format_axis(own)) if is_decided else [],
+        related=[drawn.location] if is_either else [],
+        edits=edit_numbers(attribute, _format_axis(own)) if is_decided and not is_either else [],
         witnesses=" and ".join(agreeing),
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),

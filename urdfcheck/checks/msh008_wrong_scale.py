@@ -116,6 +116,12 @@ def _set_all_subjects(finding: Finding, uses: Iterable[MeshUse]) -> Finding:
     return replace(finding, subjects=tuple(dict.fromkeys(use.filename.location.subject for use in uses)))
 
 
+def _is_scenery(model: Model) -> bool:
+    """Whether a model is only drawn: no joint of it moves, nothing collides or weighs. Then it is of any size, such as a hall."""
+    has_body = any(link.collisions or link.inertial is not None for link in model.links)
+    return not has_body and not any(joint.is_movable for joint in model.joints)
+
+
 def _has_collision(uses: Iterable[MeshUse]) -> bool:
     """Whether one of the meshes is a collision shape, which MoveIt loads, rather than a visual one."""
     return any(use.shape in use.link.collisions for use in uses)
@@ -139,7 +145,8 @@ def _build_unit_finding(
     }.get((limits.is_plausible(drawn), limits.is_plausible(plain)), "one of them is wrong")
     names = list(dict.fromkeys(use.name for use in uses))
     # What is only drawn, and right where it is drawn, is wrong for programs that the project does not use.
-    is_drawn = not _has_collision(uses) and limits.is_plausible(drawn)
+    is_plausible = limits.is_plausible(drawn) or (_is_scenery(model) and not limits.is_plausible(plain))
+    is_drawn = not _has_collision(uses) and is_plausible
     is_drawn_right = is_drawn and not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
     finding = rule.finding(
         "unit-drawn" if is_drawn_right else "unit",

@@ -50,6 +50,12 @@ _SLIGHT = math.radians(2)
 _SMALL = math.radians(1)
 # A joint that is turned in its parent as its siblings are, apart from a slip.
 _NEAR_SIBLING = math.radians(5)
+# Rotations take each other back, and places are turned alike, within this share of what they differ by (chosen).
+_RESIDUE = 0.1
+# Of a place (m): more than six decimals round off.
+_LEAST_MOVE = 1e-5
+# An angle (rad) whose axis is plain.
+_HALF_TURN = 3.0
 # Two joints are opposite each other if they are apart along a mirror by less than this share of their distance across it.
 _OPPOSITE = 0.1
 NUMBER_WORDS = {2: "two", 3: "three", 4: "four", 5: "five", 6: "six", 7: "seven"}
@@ -337,6 +343,17 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         # A wheel with camber stands higher or lower than the others.
         "explains": [f"SYM006 joint[{joint.name}]"] if odd.kind == "axis_tilt" else [],
     }
+    together = _describe_common_turn(model, odd)
+    if together:
+        return rule.finding(
+            "together",
+            at=locate_origin_attribute(joint, "rpy"),
+            related=[locate_origin_attribute(other, "rpy") for other in others],
+            severity=Severity.INFO,
+            confidence=Confidence.HEURISTIC,
+            together=together,
+            **data,
+        )
     if correction is None:
         chain = trace_fixed_chain(model, joint, find_common_base(model, (joint, *others)))
         places = [locate_origin_attribute(other, "rpy") for other in (*reversed(chain[:-1]), *others)]
@@ -379,6 +396,51 @@ def _build_finding(model: Model, rule: Rule, odd: _OrientationOutlier) -> Findin
         **data,
         **extra,
     )
+
+
+def _describe_common_turn(model: Model, odd: _OrientationOutlier) -> str:
+    """Say what is turned with an odd frame, or takes the turn back; empty where nothing is: then one rpy is a slip.
+
+    A part that was exported in another pose, or that is canted, has its joints turned with it, in place and direction; its
+    author turns the next part back. Another rpy alone would tilt what is behind it.
+    """
+    joint = odd.joint
+    turn = model.frames[joint.child][:3, :3] @ odd.expected.T
+    angle = measure_rotation_angle(turn, np.eye(3))
+    for other in model.joints:
+        if other is joint or joint not in model.tree.find_path_to(other.child):
+            continue
+        own = _compute_relative_rotation(model, other)
+        naming = np.rint(own)
+        if not np.array_equal(naming @ naming.T, np.eye(3)):
+            continue
+        parent = model.frames[other.parent][:3, :3]
+        if measure_rotation_angle(turn @ parent @ own @ naming.T @ parent.T, np.eye(3)) < _RESIDUE * angle:
+            return f"the rpy of {other.name}, behind it, takes that back"
+    return "its xyz is rotated by as much" if _is_place_turned(model, odd, turn, angle) else ""
+
+
+def _is_place_turned(model: Model, odd: _OrientationOutlier, turn: Array, angle: float) -> bool:
+    """Whether the xyz of an odd joint is that of a sibling, up to signs, rotated by its ``turn`` (3, 3) in root coordinates."""
+    parent = model.frames[odd.joint.parent][:3, :3]
+    own = odd.joint.origin.xyz
+    if own is None:
+        return False
+    local = parent.T @ turn @ parent
+    axis = np.array((local[2, 1] - local[1, 2], local[0, 2] - local[2, 0], local[1, 0] - local[0, 1]))
+    length = float(np.linalg.norm(axis))
+    if not length > 0.0 or abs(angle) > _HALF_TURN:
+        return False
+    across = np.eye(3) - np.outer(axis, axis) / length**2
+    back = local.T @ np.array(own)
+    for other in odd.others:
+        if other.origin.xyz is None:
+            continue
+        like = np.abs(np.array(other.origin.xyz))
+        before, after = (float(np.linalg.norm(across @ (np.abs(place) - like))) for place in (np.array(own), back))
+        if before > _LEAST_MOVE and after < _RESIDUE * before:
+            return True
+    return False
 
 
 def _is_slight(joint: Joint, angle: float) -> bool:

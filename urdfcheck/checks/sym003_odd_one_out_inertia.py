@@ -22,7 +22,7 @@ from urdfcheck.model.likeness.declared_inertials import turn_inertial
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
-from urdfcheck.model.repairs.inertial_edits import build_inertial_repair
+from urdfcheck.model.repairs.inertial_edits import build_inertial_repair, have_one_text
 from urdfcheck.model.shapes.repeated_drawings import do_drawings_overlap
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry, measure_role_geometry
 
@@ -85,7 +85,7 @@ def _build_outlier_finding(
     inertial = _get_inertial(model, odd.link)
     others = [_get_inertial(model, link) for link in odd.by]
     repair = build_inertial_repair(inertial, odd.expected)
-    shared = any(other.element.span == inertial.element.span for other in others)
+    shared = any(have_one_text(repair.places, inertial, other) for other in others)
     # Numbers that no link has are as exact as the drawing: compared, not written.
     edits = () if shared or odd.is_image else repair.edits
     return rule.finding(

@@ -64,7 +64,8 @@ from urdfcheck.model.likeness.mirrored_joints import (
     is_shifted,
 )
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT
-from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, make_attribute_edits
+from urdfcheck.model.repairs.edits import AttributeChange, change_numbers, describe_remedy, make_attribute_edits
+from urdfcheck.model.repairs.inertial_edits import have_one_text
 from urdfcheck.model.shapes.repeated_drawings import are_drawn_in_one_place
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
@@ -216,7 +217,6 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "severity": shares.choose_severity(share, pair, cause),
         "consequences": _describe_consequences(model, pair, deviation, note),
     }
-    shared = _has_shared_inertial(side)
     if wrong is None:
         if deviation.worst == deviation.com_offset and all(_is_outside_body(model, one.link) for one in both):
             return None  # INR006 reports both
@@ -236,10 +236,11 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     else:
         remedies = [] if written is None else [_describe_remedy(written, note)]
     # Masses stay as they are: where they differ, the rest alone repairs nothing.
-    is_partial = shared or written is None or deviation.mass > shares.differ
+    changes = [] if written is None else list_inertial_changes(written, note)
+    is_partial = written is None or _has_shared_text(written, changes) or deviation.mass > shares.differ
     # One slip moves a COM beyond its part; that the tensors differ as those of two exports is nothing that the twin repairs.
     is_partial |= deviation.com_offset > 1.0 and note < deviation.spread < _TWO_EXPORTS
-    edits = () if is_partial or written is None else make_attribute_edits(list_inertial_changes(written, note))
+    edits = () if is_partial else make_attribute_edits(changes)
     if is_barred:
         remedies.append(
             f"{_COMPUTE_TENSOR}: {side.twin.name} has products of inertia with other signs than those of its drawing"
@@ -275,7 +276,8 @@ def _describe_either_repair(
     if mistaken:
         return f"if that is the mistake, {_describe_remedy(mistaken[0], note)}"
     one, other = both[0].link.name, both[1].link.name
-    other_way = "the other way round" if _has_shared_inertial(both[1]) else _describe_remedy(both[0], note)
+    is_shared = _has_shared_text(both[1], list_inertial_changes(both[1], note))
+    other_way = "the other way round" if is_shared else _describe_remedy(both[0], note)
     return f"if {one} is right, {_describe_remedy(both[1], note)}; if {other} is, {other_way}"
 
 
@@ -610,15 +612,20 @@ def _locate_difference(model: Model, link: Link, deviation: InertialDeviation, *
 
 
 def _describe_remedy(side: PairSide, note: float) -> str:
-    return describe_remedy(
-        list_inertial_changes(side, note), side.link.name, side.twin.name, shared=_has_shared_inertial(side)
+    changes = list_inertial_changes(side, note)
+    # A macro may make both inertials, and take some of the numbers from its calls.
+    shared = [change for change in changes if _has_shared_text(side, [change])]
+    own = [change for change in changes if change not in shared]
+    return " and ".join(
+        describe_remedy(some, side.link.name, side.twin.name, shared=some is shared) for some in (own, shared) if some
     )
 
 
-def _has_shared_inertial(side: PairSide) -> bool:
-    """Whether one text makes the inertials of both sides."""
+def _has_shared_text(side: PairSide, changes: Sequence[AttributeChange]) -> bool:
+    """Whether one text to change makes the inertials of both sides."""
     one, other = side.link.inertial, side.twin.inertial
-    return one is not None and other is not None and one.element.span == other.element.span
+    places = [change.attribute for change in changes]
+    return one is not None and other is not None and have_one_text(places, one, other)
 
 
 def _list_subjects(*both: Link | Joint) -> list[str]:

@@ -7,12 +7,12 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from urdfcheck.core import Edit, Finding, Rule, Severity
+from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import format_point
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheels import LEVEL, DrivenWheel, find_driven_wheels
 from urdfcheck.model.motion.controllers import find_controller_configs
-from urdfcheck.model.repairs.edits import edit_all_numbers
+from urdfcheck.model.repairs.edits import edit_all_numbers, locate_text
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.text.values import parse_number
 
@@ -46,6 +46,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # off the ground: it may be the one that makes the numbers equal.
     are_equal = len(odd) == len(rest)
     are_driven_together = any(_drives(names, odd) and _drives(names, rest) for names in driven)
+    shared = _list_made_alike(odd, rest)
     neighbour = None if are_driven_together else _find_neighbour(model, odd, rest)
     if are_equal:
         matters = are_driven_together
@@ -60,9 +61,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         at=odd[0].joint.axis_location,
         related=[wheel.joint.axis_location for wheel in (*odd[1:], *rest)],
         severity=None if matters else Severity.INFO,
-        edits=() if are_equal or not matters or neighbour or len(wheels) < len(known) else _propose_edits(odd),
+        edits=()
+        if are_equal or not matters or neighbour or shared or len(wheels) < len(known)
+        else _propose_edits(odd),
         odd=_join_joint_names(odd),
         rest=_join_joint_names(rest),
+        remedy=_describe_remedy(odd, shared),
         odd_axis=format_point(odd[0].axis, decimals=3),
         rest_axis=format_point(rest[0].axis, decimals=3),
         otherwise=""
@@ -87,13 +91,15 @@ def _check_ring(model: Model, rule: Rule, wheels: Sequence[DrivenWheel]) -> Iter
     odd = _find_inward_wheel(model, wheels)
     if odd is not None:
         rest = [wheel for wheel in wheels if wheel is not odd]
+        shared = _list_made_alike([odd], rest)
         yield rule.finding(
             "ring",
             at=odd.joint.axis_location,
             related=[wheel.joint.axis_location for wheel in rest],
-            edits=_propose_edits([odd]),
+            edits=() if shared else _propose_edits([odd]),
             odd=odd.joint.name,
             rest=_join_joint_names(rest),
+            remedy=_describe_remedy([odd], shared),
         )
 
 
@@ -167,6 +173,31 @@ def _pick_outliers(
     axis = one[0].axis
     forward = axis[1] > 0 if abs(axis[1]) > abs(axis[0]) else axis[0] < 0
     return (other, one) if forward else (one, other)
+
+
+def _list_made_alike(odd: Sequence[DrivenWheel], rest: Sequence[DrivenWheel]) -> list[DrivenWheel]:
+    """List the other wheels whose axis is made by the text that makes one of the odd ones': written anew, it inverts both."""
+    texts = {_locate_axis_text(wheel) for wheel in odd} - {None}
+    return [wheel for wheel in rest if _locate_axis_text(wheel) in texts]
+
+
+def _locate_axis_text(wheel: DrivenWheel) -> Span | None:
+    """Return the place of the text to write another axis in; of the joint where it has none."""
+    element = wheel.joint.axis_element
+    attribute = None if element is None else element.attributes.get("xyz")
+    if attribute is not None:
+        return locate_text(attribute)
+    return wheel.joint.element.span if element is None else element.span
+
+
+def _describe_remedy(odd: Sequence[DrivenWheel], shared: Sequence[DrivenWheel]) -> str:
+    names = _join_joint_names(odd)
+    if not shared:
+        return f"invert the axis of {names} (all three signs)"
+    return (
+        f"give the macro a parameter for the axis, and invert it (all three signs) for {names} alone: "
+        f"the same line makes {_join_joint_names(shared)}"
+    )
 
 
 def _propose_edits(wheels: Sequence[DrivenWheel]) -> list[Edit]:

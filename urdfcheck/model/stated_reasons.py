@@ -50,3 +50,17 @@ def has_reason_behind(model: Model, attribute: Attribute) -> bool:
     file = None if span is None else model.source.files.get(span.file)
     behind = None if span is None or file is None else _COMMENT_BEHIND.match(file.text, span.end)
     return behind is not None and _REASON.search(behind[1]) is not None
+
+
+def has_commented_child(model: Model, element: Element, tag: str) -> bool:
+    """Whether a comment in an element holds a child ``<tag>`` of it that was left out."""
+    span = element.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None or file.text.endswith("/>", span.start, span.end):
+        return False
+    for found in re.compile(rf"<!--(.*?)-->|</{re.escape(element.tag)}\b", re.DOTALL).finditer(file.text, span.end):
+        if found[1] is None:
+            return False
+        if re.search(rf"<{re.escape(tag)}[\s>]", found[1]):
+            return True
+    return False

@@ -14,7 +14,7 @@ from urdfcheck.facts.likeness.revolution import measure_outline
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.corners import collect_shape_corners, compute_shape_corners
+from urdfcheck.model.shapes.corners import collect_shape_corners, compute_shape_corners, has_known_shapes
 from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME, WHEEL_NAME
 
 if TYPE_CHECKING:
@@ -98,7 +98,8 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
         for wheel in wheels
         if WHEEL_NAME.search(_join_joint_names(wheel.joint)) or CASTER_NAME.search(_join_joint_names(wheel.joint))
     ]
-    if len(named) == len(wheels):
+    # A mesh that was not read may reach lower than all that is known.
+    if len(named) == len(wheels) or not all(has_known_shapes(model, link) for link in model.links):
         return tuple(named)
     ground = min(find_lowest_z(model, link) for link in model.links)
     reach = 1.0 if _are_lone_pair(model, wheels) else 0.1

@@ -10,7 +10,7 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.corners import compute_shape_corners
+from urdfcheck.model.shapes.corners import compute_shape_corners, has_known_shapes
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
 # Fewer joints that are apart do not say how large a robot is: a mast may stand on a small base.
 LEAST_JOINTS = 3
+# Meshes that cannot be read make no robot so many times longer than its joints (chosen).
+_LONGEST_MESH = 10.0
 
 
 @fact
@@ -25,7 +27,8 @@ def measure_reach(model: Model, *, with_shapes: bool) -> float | None:
     """Measure the length (m) of the robot stretched out: the longest path along its joints' origins and the travel of prismatic
     joints, ``with_shapes`` from a shape that is known to another one; None where too few joints are apart to say so.
 
-    No two points that the file places are farther apart in any configuration, shapes that cannot be read aside.
+    No two points that the file places are farther apart in any configuration, but meshes that cannot be read reach farther than
+    their own origins.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -45,7 +48,26 @@ def measure_reach(model: Model, *, with_shapes: bool) -> float | None:
 def is_beyond_reach(model: Model, distance: float) -> bool:
     """Whether a distance (m) is longer than the robot: no stand is so large."""
     reach = measure_reach(model, with_shapes=True)
-    return reach is not None and distance > reach
+    return reach is not None and distance > reach * (1.0 if is_all_known(model) else _LONGEST_MESH)
+
+
+@fact
+def is_all_known(model: Model) -> bool:
+    """Whether the size of every shape is known: a mesh that is missing, or that cannot be read, may reach anywhere."""
+    return all(has_known_shapes(model, link) for link in model.links)
+
+
+def has_placed_frame(model: Model, link: str) -> bool:
+    """Whether a joint of the link's rigid body is away from its parent's frame: otherwise all frames may be in one place, as in
+    an export in the coordinates of an assembly, and parts and COMs are away from them.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    tree = model.tree
+    body = tree.list_body_links(link)
+    joints = [joint for name in body for joint in tree.child_joints[name]]
+    before = tree.parent_joint.get(body[0])
+    return any(float(np.linalg.norm(_read_place(joint))) > 0.0 for joint in (*joints, *([before] if before else [])))
 
 
 def measure_own_size(model: Model, link: str) -> float:
@@ -68,23 +90,29 @@ def measure_own_size(model: Model, link: str) -> float:
 
 def _measure_joint(joint: Joint) -> float:
     """Measure how far a joint can take its child's frame from its parent's (m)."""
-    matrix = joint.origin.matrix
-    if matrix is None:
-        raise FactUnavailableError(f"the origin of joint {joint.name} is malformed (XML007)")
     travel = 0.0
     if joint.type == "prismatic":
         limits = [joint.get_limit_value(side) or 0.0 for side in ("lower", "upper")]
         travel = max(map(abs, limits))
-    return float(np.linalg.norm(matrix[:3, 3])) + travel
+    return float(np.linalg.norm(_read_place(joint))) + travel
+
+
+def _read_place(joint: Joint) -> Array:
+    """Return the origin (3,) of a joint, in m."""
+    matrix = joint.origin.matrix
+    if matrix is None:
+        raise FactUnavailableError(f"the origin of joint {joint.name} is malformed (XML007)")
+    place: Array = matrix[:3, 3]
+    return place
 
 
 def _measure_shapes(model: Model, name: str) -> float:
-    """Measure how far the shapes of a link that can be read reach from its frame (m)."""
+    """Measure how far the shapes of a link reach from its frame (m): those that cannot be read to their own origin at least."""
     link = model.link_by_name[name]
     corners: list[Array] = []
     for shape in (*link.visuals, *link.collisions):
         # A program that ignores COLLADA's unit sees another size: the larger one counts.
-        corners += [
-            c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None
-        ]
+        known = [c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None]
+        pose = shape.origin.matrix
+        corners += known or ([] if pose is None else [pose[None, :3, 3]])
     return max((float(np.linalg.norm(c, axis=1).max(initial=0.0)) for c in corners), default=0.0)

@@ -13,6 +13,7 @@ from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.robot import Model
+from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 
 # Parts on which a robot drives, swims or flies. A base_footprint is the place of a mobile robot on the ground.
@@ -21,7 +22,7 @@ _MOBILE_NAME = re.compile(
     re.IGNORECASE,
 )
 # Limbs that handle things; in a name like larm or r_gripper_l_finger, not in alarm or swarm.
-_HANDLING_NAME = re.compile(
+HANDLING_NAME = re.compile(
     r"(?:^|[^a-z]|(?<=[a-z])(?=[A-Z])|(?:^|[^a-z])[lr])(?:arm(?!at)|finger|thumb|gripper|jaw|hand|palm|knuckle)",
     re.IGNORECASE,
 )
@@ -97,6 +98,17 @@ def list_unturned_links(model: Model) -> Sequence[str]:
         sliding = (joint.child for joint in model.tree.child_joints[name] if joint.type == "prismatic")
         links += [link for child in sliding for link in model.tree.list_body_links(child)]
     return links
+
+
+@fact
+def is_untouched(model: Model) -> bool:
+    """Whether a model is one part that nothing turns: no joint moves, it collides with nothing, neither a simulator's plugin nor
+    a rotor pushes it, and no file that includes it fixes it to something that moves."""
+    if model.source.is_part or has_elements(model) or any(joint.is_movable for joint in model.joints):
+        return False
+    parts = [link for link in model.links if link.inertial is not None or link.visuals or link.collisions]
+    names = " ".join(link.name for link in model.links)
+    return len(parts) == 1 and not parts[0].collisions and _MOBILE_NAME.search(names) is None
 
 
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
@@ -180,7 +192,7 @@ def _is_handling_limb(model: Model, first: Joint) -> bool:
     waiting = [first]
     while waiting:
         joint = waiting.pop()
-        if _HANDLING_NAME.search(joint.name) or _HANDLING_NAME.search(joint.child):
+        if HANDLING_NAME.search(joint.name) or HANDLING_NAME.search(joint.child):
             return True
         waiting += model.tree.child_joints[joint.child]
     return False

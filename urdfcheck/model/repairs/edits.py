@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 
-from urdfcheck.core import Edit, Location
+from urdfcheck.core import Edit, Location, Span
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.model.repairs.number_text import keep_notation
@@ -58,6 +58,12 @@ def read_typed_text(attribute: Attribute) -> str:
     """Return the text that `edit_value` replaces; the value where there is none."""
     typed = find_typed_value(attribute)
     return attribute.value if typed is None else typed.text
+
+
+def locate_text(attribute: Attribute) -> Span | None:
+    """Return the place of the text that `edit_value` replaces; that of the attribute where its value is computed."""
+    typed = find_typed_value(attribute)
+    return attribute.span if typed is None else typed.span
 
 
 def edit_value(attribute: Attribute | None, text: str) -> list[Edit]:

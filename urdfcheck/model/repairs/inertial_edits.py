@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -14,7 +14,7 @@ from urdfcheck.facts.inertials.engine_floors import is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, check_inertia_validity
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial
-from urdfcheck.model.repairs.edits import edit_value, read_typed_text
+from urdfcheck.model.repairs.edits import edit_value, locate_text, read_typed_text
 from urdfcheck.model.repairs.number_text import NEGLIGIBLE_DIFFERENCE, write_number, write_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -48,6 +48,21 @@ class InertialRepair:
         """
         is_sure = self.edits and all(isinstance(place, Attribute) and place.literal for place in self.places)
         return "the computed numbers" if is_sure and len(self.places) > _MOST_SPELLED else self.text + self.where
+
+
+def have_one_text(places: Iterable[Attribute | Element | None], inertial: Inertial, other: Inertial) -> bool:
+    """Whether the text of one of these ``places`` of an inertial also makes another one: what is written there changes both.
+
+    A macro may make both, and take the numbers from its calls. The texts of what an inertial lacks would be in its element.
+    """
+    tensor, origin = other.tensor_element, other.origin
+    attributes = [other.mass_attribute, origin.get_attribute("xyz"), origin.get_attribute("rpy")]
+    attributes += [] if tensor is None else [tensor.attributes.get(name) for name in TENSOR_NAMES]
+    texts = {locate_text(attribute) for attribute in attributes if attribute is not None} - {None}
+    return any(
+        locate_text(place) in texts if isinstance(place, Attribute) else inertial.element.span == other.element.span
+        for place in places
+    )
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial, digits: int = 6) -> InertialRepair:

@@ -86,6 +86,12 @@ def compute_shape_corners(
     return points
 
 
+def has_known_shapes(model: Model, link: Link) -> bool:
+    """Whether the size of every shape of a link is known, also where it has none: a mesh that is missing, or that was not read,
+    may reach anywhere."""
+    return all(compute_shape_corners(model, shape) is not None for shape in (*link.visuals, *link.collisions))
+
+
 @cache
 def _make_circle(circumscribed: bool) -> Array:
     """Make the unit circle about z (k, 3): a polygon with its corners on it, or one around it, which need not be as fine."""
