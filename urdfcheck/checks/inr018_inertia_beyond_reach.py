@@ -73,14 +73,19 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
     }
     if all(max(pair[:2]) <= share * least for pair in lengths.values()):
         return
-    reach = measure_reach(model, with_shapes=True)
-    if reach is None:
-        return
+    # What is drawn at some place has its COM near that; the shares of spreads were measured without meshes.
+    reaches = {
+        "com": measure_reach(model, with_shapes=True),
+        "spread": measure_reach(model, with_shapes=True, with_unread=False),
+    }
     # Few models come so far.
     from urdfcheck.model.motion.fixed_base import list_bolted_links
 
     bolted = list_bolted_links(model)
     for message, index, units in (("com", 0, LENGTHS), ("spread", 1, RADII)):
+        reach = reaches[message]
+        if reach is None:
+            continue
         grave: list[_FarLink] = []
         odd: list[_FarLink] = []
         for name, pair in lengths.items():

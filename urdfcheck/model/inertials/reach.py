@@ -23,12 +23,12 @@ _LONGEST_MESH = 10.0
 
 
 @fact
-def measure_reach(model: Model, *, with_shapes: bool) -> float | None:
+def measure_reach(model: Model, *, with_shapes: bool, with_unread: bool = True) -> float | None:
     """Measure the length (m) of the robot stretched out: the longest path along its joints' origins and the travel of prismatic
-    joints, ``with_shapes`` from a shape that is known to another one; None where too few joints are apart to say so.
+    joints, ``with_shapes`` from a shape that is known to another one, ``with_unread`` also from the origins of the others.
 
-    No two points that the file places are farther apart in any configuration, but meshes that cannot be read reach farther than
-    their own origins.
+    None where too few joints are apart to say so. No two points that the file places are farther apart in any configuration, but
+    meshes that cannot be read reach farther than their own origins.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -37,7 +37,7 @@ def measure_reach(model: Model, *, with_shapes: bool) -> float | None:
     longest, apart = 0.0, 0
     for name in reversed(tree.order):
         apart += sum(_measure_joint(joint) > 0.0 for joint in tree.child_joints[name])
-        ends = [_measure_shapes(model, name) if with_shapes else 0.0]
+        ends = [_measure_shapes(model, name, with_unread=with_unread) if with_shapes else 0.0]
         ends += [_measure_joint(joint) + farthest[joint.child] for joint in tree.child_joints[name]]
         ends.sort(reverse=True)
         farthest[name] = ends[0]
@@ -106,7 +106,7 @@ def _read_place(joint: Joint) -> Array:
     return place
 
 
-def _measure_shapes(model: Model, name: str) -> float:
+def _measure_shapes(model: Model, name: str, *, with_unread: bool = True) -> float:
     """Measure how far the shapes of a link reach from its frame (m): those that cannot be read to their own origin at least."""
     link = model.link_by_name[name]
     corners: list[Array] = []
@@ -114,5 +114,5 @@ def _measure_shapes(model: Model, name: str) -> float:
         # A program that ignores COLLADA's unit sees another size: the larger one counts.
         known = [c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None]
         pose = shape.origin.matrix
-        corners += known or ([] if pose is None else [pose[None, :3, 3]])
+        corners += known or ([] if pose is None or not with_unread else [pose[None, :3, 3]])
     return max((float(np.linalg.norm(c, axis=1).max(initial=0.0)) for c in corners), default=0.0)
