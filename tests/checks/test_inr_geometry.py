@@ -15,9 +15,10 @@ from castings import CASTING, DeclaredInertial, edited, format_inertial, geometr
 from numpy.typing import NDArray
 
 from urdfcheck.core import Severity
-from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_box_solid
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
+from urdfcheck.facts.mesh.diameter import measure_diameter
 from urdfcheck.facts.motion.kinematics import matrix_to_rpy, rpy_to_matrix
 from urdfcheck.model import Model
 from urdfcheck.model.shapes.corners import collect_rigid_corners

@@ -12,8 +12,9 @@ from urdfcheck.core import Finding, Located, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
-from urdfcheck.facts.inertials.hull_bounds import measure_diameter, measure_extent, measure_hull_distance
+from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.mesh.diameter import measure_diameter
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.habits.root_coms import find_root_coms
 from urdfcheck.model.inertials.inertial_hull import (
