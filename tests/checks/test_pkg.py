@@ -140,7 +140,7 @@ def test_package_that_the_expansion_needs(tmp_path: Path, depends: str, explicit
             "",
         ),
         ("arms_ros", "", "", "if it is in a submodule (arms_ros), check that out: `git submodule update --init`;", ""),
-        ("lib", "", "", "", "; or check out a submodule that has it: `git submodule update --init` (lib)"),
+        ("lib", "", "", "", "; if a submodule that is not checked out has it (lib), `git submodule update --init`"),
         ("lib", "lib/README.md", "", "", ""),
         ("../arms", "", "", "", ""),  # out of reach
     ],
