@@ -104,6 +104,15 @@ def test_files_of_an_unknown_package_are_named_where_the_own_package_has_them(
         assert only(audit(package(tmp_path, *files, depends="old"), *links)).data["hint"] == ""
 
 
+@pytest.mark.parametrize(("count", "begin"), [(3, "write p instead, which has 3 of 4 files"), (2, "add the package")])
+def test_the_own_package_that_has_most_files_at_their_paths_is_named(tmp_path: Path, count: int, begin: str) -> None:
+    links = [make_mesh_link(name, f"package://old/meshes/{name}.stl") for name in "abcd"]
+    finding = only(audit(package(tmp_path, *(f"meshes/{name}.stl" for name in "abcd"[:count])), *links))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(begin)
+    assert not finding.fix.edits
+
+
 @pytest.mark.parametrize(
     ("depends", "explicit", "severity"),
     [

@@ -677,7 +677,9 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
     # A point may have slipped in a number that was then copied to all the others.
-    is_decimal = bool(mismatch.agreeing_joints) and _is_power_of_ten_off(mismatch, changes=_list_notable(mismatch, shares))
+    is_decimal = bool(mismatch.agreeing_joints) and _is_power_of_ten_off(
+        mismatch, changes=_list_notable(mismatch, shares)
+    )
     if is_decimal:
         remedy = f"if {joint.name} is wrong, {remedy}; if the decimal point is wrong in the others, correct these"
     is_certain = bool(mismatch.agreeing_joints) and not (

@@ -23,7 +23,7 @@ def may_be_two_pairs(model: Model, joint: Joint, others: Sequence[Joint], attrib
     if len(others) > _TWO_PAIRS:
         return False
     if attribute == "rpy":
-        turn, like = (rpy_to_matrix(np.array(one.origin.rpy or (0.0, 0.0, 0.0))) for one in (joint, others[0]))
+        turn, like = (rpy_to_matrix(one.origin.rpy or (0.0, 0.0, 0.0)) for one in (joint, others[0]))
         mirrors = (np.diag(signs) for signs in ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (1.0, 1.0, -1.0)))
         return any(float(np.abs(mirror @ like @ mirror - turn).max()) <= _SAME for mirror in mirrors)
     typed = [np.array(one.axis or (1.0, 0.0, 0.0)) for one in (joint, others[0])]
