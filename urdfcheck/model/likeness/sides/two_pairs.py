@@ -1,4 +1,4 @@
-"""Three like joints and one other: that may also be two mirrored pairs of which one of the three is wrong."""
+"""Three equal joints and another: that may also be two mirrored pairs of which one of the three is wrong."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ _SAME = 1e-2
 
 
 def may_be_two_pairs(model: Model, joint: Joint, others: Sequence[Joint], attribute: str) -> bool:
-    """Whether the axis or the rotation of a joint (``attribute``: ``axis`` or ``rpy``) is the mirror image of that of three like
+    """Whether the axis or the rotation of a joint (``attribute``: ``axis`` or ``rpy``) is the mirror image of that of three equal
     joints, and nothing shows that left and right have one convention: then one of the three may be the wrong one."""
     if len(others) > _TWO_PAIRS:
         return False
