@@ -80,3 +80,19 @@ def test_a_transform_may_supply_the_frame(tmp_path: Path) -> None:
     transform = "Node(executable='static_transform_publisher', arguments=['--child-frame-id', 'r/base/scan'])"
     assert not find_frames(tmp_path / "a", sensor(), go=transform)
     assert find_frames(tmp_path / "b", sensor(), go=transform.replace("scan", "imu"))
+
+
+@pytest.mark.parametrize(
+    ("build", "tag", "message"),
+    [
+        ("ament_python", "frameName", "frame-ignored"),
+        ("ament_python", "frame_name", "frame"),
+        ("catkin", "frameName", "frame"),
+    ],
+)
+def test_the_tag_of_ros_1_is_not_read_in_ros_2(tmp_path: Path, build: str, tag: str, message: str) -> None:
+    plugin = f'<plugin name="i" filename="libgazebo_ros_imu_sensor.so"><{tag}>base_link</{tag}></plugin>'
+    manifest = f'<package format="3"><name>r</name><export><build_type>{build}</build_type></export></package>'
+    model = {"package.xml": manifest, "urdf/r.urdf": ROBOT.format(sensor("imu", plugin), "")}
+    (finding,) = find(tmp_path / "r", model, "GZB004", name="urdf/r.urdf")
+    assert finding.message_id == message

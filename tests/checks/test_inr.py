@@ -132,6 +132,9 @@ def test_mujoco_takes_the_inertia_of_what_collides_and_leaves_out_what_is_drawn(
     assert solid.consequences["mujoco"].startswith("replaces the missing inertial")
     assert drawn.consequences["mujoco"] == bare.consequences["mujoco"]
     assert bare.consequences["mujoco"].startswith("refuses")
+    hand = '<joint name="k" type="continuous"><parent link="arm"/><child link="hand"/></joint>'
+    both = find(tmp_path / "d", make_arm(SOLID, more=f'<link name="hand">{BOX}</link>{hand}'), "INR001")
+    assert ["collision geometry" in finding.consequences["isaac"] for finding in both] == [True, False]
 
 
 def test_a_joint_that_moves_no_mass_at_all_falls_without_a_number(tmp_path: Path) -> None:

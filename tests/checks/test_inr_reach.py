@@ -182,8 +182,8 @@ def test_the_spread_along_three_axes_together_is_that_of_a_longer_body(tmp_path:
 def test_a_mesh_that_was_not_read_is_not_said_to_be_nothing(tmp_path: Path) -> None:
     (unread,) = find_far(tmp_path, make_arm(com=1e3))
     assert "A mesh of the link was not read" in unread.message
-    assert "the robot's joints, stretched out, span" in unread.message
-    assert "the joints span" in unread.headline
+    assert "the robot's joints and shapes, as far as they are known, span" in unread.message
+    assert "its known parts span" in unread.headline
     (undrawn,) = find_far(tmp_path, make_arm(com=1e3, drawn=""))
     assert "Nothing that the file places on the link is farther" in undrawn.message
     assert "the robot is" in undrawn.headline

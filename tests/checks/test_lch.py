@@ -49,7 +49,7 @@ def only(run: Run) -> list[Finding]:
         ("q", "check out its submodule: `git submodule update --init q`, and declare it in package.xml"),
         (
             "l",
-            "correct the package name, or declare it in package.xml; or check out a submodule that has it",
+            "correct the package name, or declare it in package.xml; if a submodule that is not checked out has it",
         ),
     ],
 )

@@ -104,6 +104,15 @@ def test_files_of_an_unknown_package_are_named_where_the_own_package_has_them(
         assert only(audit(package(tmp_path, *files, depends="old"), *links)).data["hint"] == ""
 
 
+@pytest.mark.parametrize(("count", "begin"), [(3, "write p instead, which has 3 of 4 files"), (2, "add the package")])
+def test_the_own_package_that_has_most_files_at_their_paths_is_named(tmp_path: Path, count: int, begin: str) -> None:
+    links = [make_mesh_link(name, f"package://old/meshes/{name}.stl") for name in "abcd"]
+    finding = only(audit(package(tmp_path, *(f"meshes/{name}.stl" for name in "abcd"[:count])), *links))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(begin)
+    assert not finding.fix.edits
+
+
 @pytest.mark.parametrize(
     ("depends", "explicit", "severity"),
     [
@@ -140,7 +149,7 @@ def test_package_that_the_expansion_needs(tmp_path: Path, depends: str, explicit
             "",
         ),
         ("arms_ros", "", "", "if it is in a submodule (arms_ros), check that out: `git submodule update --init`;", ""),
-        ("lib", "", "", "", "; or check out a submodule that has it: `git submodule update --init` (lib)"),
+        ("lib", "", "", "", "; if a submodule that is not checked out has it (lib), `git submodule update --init`"),
         ("lib", "lib/README.md", "", "", ""),
         ("../arms", "", "", "", ""),  # out of reach
     ],

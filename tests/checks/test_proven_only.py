@@ -536,3 +536,24 @@ def test_parts_that_gazebo_joins_may_overlap_as_neighbours_do(
     loop = f'<gazebo><joint name="l" type="{kind}">{inner}</joint></gazebo>' if ends else ""
     text = robot(*(link(name, inertial(), cube) for name in "abc"), *turns, loop)
     assert bool(find(tmp_path, text, "COL001")) == found
+
+
+@pytest.mark.parametrize(
+    ("name", "value", "count"), [("negligible", "1e-5", 0), ("small", "1e-5", 1), ("tiny", "0.1", 1)]
+)
+def test_a_mass_that_is_called_negligible_and_is_so_is_chosen(
+    tmp_path: Path, name: str, value: str, count: int
+) -> None:
+    box = '<{0}><geometry><box size="0.02 0.02 0.02"/></geometry></{0}>'
+    inertia = '<inertia ixx="${i}" ixy="0" ixz="0" iyy="${i}" iyz="0" izz="${i}"/>'
+    own = f'<inertial><mass value="${{{name}}}"/>{inertia.replace("i}", name + "}")}</inertial>'
+    body = (
+        '<inertial><mass value="12"/><inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>'
+        '<collision><geometry><box size="0.3 0.2 0.2"/></geometry></collision>'
+    )
+    text = (
+        f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="{name}" value="{value}"/>'
+        f'<link name="hull">{body}</link><link name="rotor">{own}{box.format("visual")}{box.format("collision")}</link>'
+        '<joint name="j" type="continuous"><parent link="hull"/><child link="rotor"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    assert len(find(tmp_path, text, "INR005", name="r.urdf.xacro")) == count

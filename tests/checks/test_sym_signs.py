@@ -161,6 +161,25 @@ def test_of_four_axes_the_only_reversed_one_is_found(tmp_path: Path) -> None:
     assert [edit.replacement for edit in finding.fix.edits] == ["0 1 0"]
 
 
+def test_three_axes_and_one_may_be_two_mirrored_pairs(tmp_path: Path) -> None:
+    """The knees of left and right are opposite: then the hips are too, and one of three hips is the wrong one."""
+    text = make_quadruped(HL_hip_axis="0 -1 0", FL_knee_axis="0 -1 0", HL_knee_axis="0 -1 0")
+    (finding,) = [f for f in find(tmp_path, text, "SYM004") if f.location.subject == "joint[HL_hip]/axis@xyz"]
+    assert finding.message_id == "reversed"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title.startswith("if the four are meant to have one axis, write 0 1 0")
+
+
+@pytest.mark.parametrize(("effort", "is_edited"), [("2", False), ("200", False), ("30", True)])
+def test_a_limit_a_power_of_ten_off_may_be_the_only_right_one(tmp_path: Path, effort: str, is_edited: bool) -> None:
+    text = make_quadruped(HL_hip_limit=LIMIT.replace('effort="20"', f'effort="{effort}"'))
+    (finding,) = [f for f in find(tmp_path, text, "SYM004") if f.message_id == "limits"]
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == is_edited
+    assert ("if the decimal point is wrong in the others" in finding.fix.title) == (not is_edited)
+
+
 def test_two_and_two_axes_are_a_convention(tmp_path: Path) -> None:
     assert not find_slips(tmp_path, make_quadruped(FR_hip_axis="0 -1 0", HR_hip_axis="0 -1 0"))
 

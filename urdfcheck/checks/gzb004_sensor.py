@@ -27,6 +27,7 @@ from urdfcheck.model.gazebo import (
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.model.use.gazebo_starts import names_successor, starts_classic
+from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.text.tokens import read_typed_content
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
@@ -69,6 +70,8 @@ class _UnknownCollision:
 
 # The plugins of ROS for Gazebo Classic.
 _CLASSIC = re.compile(r"\bgazebo_ros_|\blibgazebo_ros_")
+# Those that read `<frameName>` for ROS 1 and only `<frame_name>` for ROS 2.
+_RENAMED_FRAME = re.compile(r"(?:lib)?gazebo_ros_(?:imu_sensor|ray_sensor|camera|gps_sensor)(?:\.so)?")
 # Gazebo Classic does not compare the names of sensors.
 _IN_CLASSIC = "loads them all under one name and one topic"
 _MIXED = f"{_IN_CLASSIC}: the plugins read this topic and mix the data"
@@ -165,6 +168,16 @@ def _check_frames(
         meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model, taken=taken)
         if meant is None and sensor.reference not in model.link_by_name and sensor.reference not in model.joint_by_name:
             continue  # a block for a part that the robot lacks is ignored, so no data has the frame: GZB001 reports it
+        if _is_ignored_frame(model, element):
+            yield rule.finding(
+                "frame-ignored",
+                at=locate_content(element, model.source.files),
+                severity=Severity.INFO,
+                sensor=sensor.name,
+                frame=frame,
+                repair="delete it, or write a link in <frame_name>" + ("" if meant is None else f", such as {meant}"),
+            )
+            continue
         yield rule.finding(
             "frame" if meant is not None else "frame-elsewhere",
             at=locate_content(element, model.source.files),
@@ -175,6 +188,14 @@ def _check_frames(
             meant=meant or "",
             repair="" if meant is None else _describe_frame_repair(element, frame, meant, model),
         )
+
+
+def _is_ignored_frame(model: Model, element: Element) -> bool:
+    """Whether an element names a frame for ROS 1, in a plugin of ROS 2."""
+    package, plugin = model.source.package, element.parent
+    if element.tag != "frameName" or package is None or plugin is None or plugin.tag != "plugin":
+        return False
+    return is_only_of_ros2(package.root) and _RENAMED_FRAME.fullmatch(plugin.get("filename").strip()) is not None
 
 
 def _describe_frame_repair(element: Element, frame: str, meant: str, model: Model) -> str:

@@ -18,6 +18,8 @@ from urdfcheck.source.text.grammar import JOINT_TYPES
 _SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # MuJoCo's treatment of a body without mass.
 INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
+# Isaac Sim's, where no collision geometry says how large the body is.
+OWN_CHOICE = "replaces the missing inertial by a mass of its own choice"
 REFUSES = "refuses to compile: mass and inertia of moving bodies must be larger than mjMINVAL"
 # Pinocchio and Drake: the joint moves a mass behind the body, or none at all.
 LIGHT = "loads it without mass"
@@ -73,6 +75,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if joint.type not in JOINT_TYPES:
             continue  # it may be meant to be fixed (KIN009)
         behind, heavy = _inspect_subtree(model, body)
+        is_solid = has_collision_geometry(model, body)
         message = "missing" if any(link.visuals or link.collisions for link in links) else "frame"
         if message == "frame" and joint.name in added:
             continue  # Gazebo has this joint from the block, between the links that are meant
@@ -81,7 +84,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=head,
             severity=Severity.INFO if is_loaded_for_frames(model) else None,
             consequences={
-                "mujoco": INFERS if has_collision_geometry(model, body) else REFUSES,
+                "mujoco": INFERS if is_solid else REFUSES,
+                **({} if is_solid else {"isaac": OWN_CHOICE}),
                 **dict.fromkeys(("pinocchio", "drake"), LIGHT if heavy else NAN),
             },
             link=head.name,

@@ -32,7 +32,7 @@ from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_p
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
-from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
+from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
@@ -123,7 +123,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             continue
         if excess < VAST and (is_stand_in(part) or has_stated_purpose(model, part.link)):
             continue
-        if has_unknown_mass(model, part.link, part.mass, declared.tensor):
+        if has_unknown_mass(model, part.link, part.mass, declared.tensor) or is_called_negligible(model, part.link):
             continue
         # The COM is then as likely to be wrong as the tensor.
         is_elsewhere = any(

@@ -17,7 +17,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
-from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
+from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
@@ -221,7 +221,7 @@ def _build_tensor_finding(
     estimate: float,
     is_chosen: bool,
 ) -> Finding:
-    """Report together all links that were given one tensor; ``is_chosen``: a comment beside each says why."""
+    """Report together all links that were given one tensor; ``is_chosen``: a comment beside each, or a name, says why."""
     every = [*known, *unknown]
     # A base that is bolted down, or a cart on it, is no example where a link that turns is one.
     moving = [
@@ -345,6 +345,8 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     if mass is None or not is_round(mass) or count < max(_FEWEST, fraction * len(heavy)):
         return
     alike = [declared for declared in heavy if declared.mass == mass]
+    if all(is_called_negligible(model, declared.link) for declared in alike):
+        return
     readings, is_closed = [], True
     for unit in (True, False):
         drawn = [

@@ -39,7 +39,7 @@ _MOST_TYPED = 1.0
 _LEAST_LINKS = 3
 _ROBOT = "the robot, stretched out, is {} long"
 # Of meshes that were not read only the origins are known.
-_JOINTS = "the robot's joints, stretched out, span {}"
+_JOINTS = "the robot's joints and shapes, as far as they are known, span {} stretched out"
 _NEAR = {
     "com": "Nothing that the file places on the link is farther than {} from it",
     "spread": "all that is placed on the link is within {}",
@@ -197,7 +197,7 @@ def _build_finding(
         distance=farthest.distance,
         span=format_length(2.0 * farthest.distance),  # no shorter body has such a spread
         reach=length,
-        robot=f"the robot is {length}" if is_known else f"the joints span {length}",
+        robot=f"the robot is {length}" if is_known else f"its known parts span {length}",
         stretched=_ROBOT.format(length) if is_known else _JOINTS.format(length),
         near=_describe_near(model, message, farthest),
         times=float(f"{farthest.distance / reach:.2g}"),

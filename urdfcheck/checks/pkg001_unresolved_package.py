@@ -124,6 +124,8 @@ def _build_finding(
     if own and package and source.package is not None:
         likewise = ", and the others likewise" if len(own) > 1 else ""
         repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
+    elif is_lost and uses and package:
+        repair = _add_own_folder(repair, source, package, files)
     if clone is not None and kind == "expansion":
         repair = _describe_rosbuild_repair(source, package, clone)
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
@@ -394,6 +396,18 @@ def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
     if any(len(paths) != 1 for paths in found):
         return []
     return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
+
+
+def _add_own_folder(repair: str, source: Source, package: str, files: Sequence[str]) -> str:
+    """Add to a repair that the model's own package has most of these files at the same paths: then its name is meant."""
+    if source.package is None:
+        return repair
+    folder, paths = source.package.path, [get_path_in_package(file, package) for file in files[:_MAX_FILES]]
+    count = sum(bool(path) and _has_all_files(folder, [path], source) for path in paths)
+    if count < _LEAST_FILES or 2 * count <= len(paths):
+        return repair
+    name = source.package.name
+    return f"write {name} instead, which has {count} of {len(paths)} files at these paths, if they are meant; else {repair}"
 
 
 def _propose_edits(uses: Sequence[ResourceUse], package: str, near: Sequence[str]) -> list[Edit]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from typing import Any
@@ -676,7 +676,15 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
     remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
-    is_certain = bool(mismatch.agreeing_joints) and not mismatch.is_axis_negated and not _may_be_in_degrees(joint)
+    # A point may have slipped in a number that was then copied to all the others.
+    is_decimal = bool(mismatch.agreeing_joints) and _is_power_of_ten_off(
+        mismatch, changes=_list_notable(mismatch, shares)
+    )
+    if is_decimal:
+        remedy = f"if {joint.name} is wrong, {remedy}; if the decimal point is wrong in the others, correct these"
+    is_certain = bool(mismatch.agreeing_joints) and not (
+        mismatch.is_axis_negated or is_decimal or _may_be_in_degrees(joint)
+    )
     severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
     return rule.finding(
         message,
@@ -706,6 +714,17 @@ def _list_notable(mismatch: MismatchedLimit, shares: _Shares) -> dict[str, float
 
     far = {name: value for name, value in mismatch.expected.items() if is_far(name, value)}
     return far or dict(mismatch.expected)
+
+
+def _is_power_of_ten_off(mismatch: MismatchedLimit, *, changes: Mapping[str, float]) -> bool:
+    """Whether an effort or a velocity is a power of ten times that of the twin."""
+    for name in {"effort", "velocity"} & changes.keys():
+        typed, expected = abs(mismatch.joint.get_limit_value(name) or 0.0), abs(changes[name])
+        if typed > 0.0 and expected > 0.0:
+            power = math.log10(typed / expected)
+            if round(power) and math.isclose(power, round(power), abs_tol=1e-6):
+                return True
+    return False
 
 
 def _may_be_in_degrees(joint: Joint) -> bool:

@@ -27,6 +27,7 @@ from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinate
 from urdfcheck.model.likeness.sides.lone_turns import LoneTurn, iter_lone_turns
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
 from urdfcheck.model.likeness.sides.settled_places import is_settled
+from urdfcheck.model.likeness.sides.two_pairs import may_be_two_pairs
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -96,10 +97,11 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
 
 
 def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
-    yield from map(_describe_odd_sign, iter_odd_signs(model))
+    for sign in iter_odd_signs(model):
+        yield _describe_odd_sign(model, sign)
     for odd in iter_odd_numbers(model):
         if odd.attribute != "xyz" or not is_settled(model, [odd.joint.child], pairs):
-            yield _describe_odd_numbers(odd)
+            yield _describe_odd_numbers(model, odd)
     for slip in find_origin_slips(model):
         if not is_settled(model, [slip.joint.child, slip.twin.child], pairs):
             yield _describe_slip(slip)
@@ -245,7 +247,7 @@ def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
     )
 
 
-def _describe_odd_sign(odd: OddSign) -> PlaceMistake:
+def _describe_odd_sign(model: Model, odd: OddSign) -> PlaceMistake:
     joint, like = odd.joint, odd.others[0]
     places = [one.axis_location if odd.is_axis else locate_origin_attribute(one, "xyz") for one in (joint, *odd.others)]
     attributes = [
@@ -255,14 +257,19 @@ def _describe_odd_sign(odd: OddSign) -> PlaceMistake:
         for one in (joint, like)
     ]
     typed, expected = ("" if attribute is None else attribute.value for attribute in attributes)
+    is_open = odd.is_axis and may_be_two_pairs(model, joint, odd.others, "axis")
+    repair = f"write {expected} in the axis of {joint.name}"
     data = {
         "joint": joint.name,
         "twin": like.name,
         "like": join_names(one.name for one in odd.others),
         "typed": typed,
         "expected": expected,
+        "repair": _leave_open(repair, "axis") if is_open else repair,
     }
     edits = edit_all_numbers([(attributes[0], expected)]) if attributes[0] is not None and expected else []
+    if is_open:
+        edits = []
     return PlaceMistake(
         message="reversed" if odd.is_axis else "sign",
         joints=(joint,),
@@ -273,7 +280,7 @@ def _describe_odd_sign(odd: OddSign) -> PlaceMistake:
     )
 
 
-def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
+def _describe_odd_numbers(model: Model, odd: OddNumbers) -> PlaceMistake:
     joint, is_axis = odd.joint, odd.attribute == "axis"
     places = [
         one.axis_location if is_axis else locate_origin_attribute(one, odd.attribute) for one in (joint, *odd.others)
@@ -293,6 +300,8 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
     if not joint.is_movable:
         # A part is bolted where there is room for it.
         repair = f"if {joint.name} is meant to be placed like the others, {repair}; otherwise say so in a comment"
+    elif odd.kind == "odd" and odd.attribute != "xyz" and may_be_two_pairs(model, joint, odd.others, odd.attribute):
+        repair = _leave_open(repair, what)
     elif attribute is not None and not _may_be_in_degrees(odd):
         edits = edit_all_numbers([(attribute, expected)])
     data = {
@@ -312,6 +321,11 @@ def _describe_odd_numbers(odd: OddNumbers) -> PlaceMistake:
         edits=tuple(edits),
         data=data,
     )
+
+
+def _leave_open(repair: str, what: str) -> str:
+    """Return the repair of one of four joints that are two mirrored pairs or four of a kind."""
+    return f"if the four are meant to have one {what}, {repair}; if they are two mirrored pairs, correct one of the other three"
 
 
 def _may_be_in_degrees(odd: OddNumbers) -> bool:

@@ -211,7 +211,8 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
         file, address = documented
         return f"clone its repository, as {file.name} says: `git clone {address}`; otherwise {repair}"
     if missing and package not in read_released_packages():
-        return f"{repair}; or check out a submodule that has it: `git submodule update --init` ({join_names([*missing], 3)})"
+        unread = join_names([*missing], 3)
+        return f"{repair}; if a submodule that is not checked out has it ({unread}), `git submodule update --init`"
     return repair
 
 

@@ -1,16 +1,37 @@
-"""Inertials of which a comment beside them says what they are for: their numbers were chosen, and are not a slip."""
+"""Inertials of which a comment beside them, or the name of their number, says what they are for: they are chosen, and no slip."""
 
 from __future__ import annotations
 
+import math
+
+from urdfcheck.core.text import split_name_words
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.stated_reasons import has_reason_behind, has_stated_reason
 
+# Words that say that a number is chosen. That it is a dummy's does not, for it may still have to be replaced.
+_CHOSEN_WORDS = frozenset({"negligible", "insignificant", "tiny", "epsilon", "eps"})
+# A mass of that name is at most this share of the robot's (chosen).
+_TINY_SHARE = 1e-3
+
 
 def has_stated_purpose(model: Model, link: Link) -> bool:
     """Whether a comment in the ``<inertial>`` of a link, right before it, or behind the number of the mass where that was typed,
-    says why its numbers are what they are."""
+    says why its numbers are what they are; or whether it is called negligible."""
     if link.inertial is None:
         return False
+    if is_called_negligible(model, link):
+        return True
     mass = link.inertial.mass_attribute
     return has_stated_reason(model, link.inertial.element) or (mass is not None and has_reason_behind(model, mass))
+
+
+def is_called_negligible(model: Model, link: Link) -> bool:
+    """Whether the mass of a link is a property or argument whose name says that it is negligible, as it is beside the robot's."""
+    inertial = link.inertial
+    if inertial is None or inertial.mass is None or inertial.mass_attribute is None:
+        return False
+    names = [definition.name for definition in inertial.mass_attribute.collect_definitions()]
+    if all(_CHOSEN_WORDS.isdisjoint(word.lower() for word in split_name_words(name)) for name in names):
+        return False
+    return inertial.mass <= _TINY_SHARE * math.fsum(max(declared.mass, 0.0) for declared in model.masses)
