@@ -1053,6 +1053,26 @@ def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
+    ("cmake", "told"),
+    [
+        ("find_package(lely_core_libraries REQUIRED)\ncogen_dcf(arm)", False),
+        ("generate_dcf(arm)", False),
+        ("setup_robot(arm)", False),
+        ("cogen_dcf(other)", True),
+        ("add_custom_target(arm)", True),
+        ("target_compile_features(arm PUBLIC c_std_99)", True),
+        ("set(arm 1 PARENT_SCOPE)", True),
+    ],
+)
+def test_a_function_of_another_package_may_install_the_folder_of_its_argument(
+    tmp_path: Path, cmake: str, told: bool
+) -> None:
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**files, "meshes/arm/b.stl": "", "CMakeLists.txt": f"project(p)\n{cmake}\nament_package()\n"})
+    assert bool(findings(tmp_path, "PKG008")) == told
+
+
+@pytest.mark.parametrize(
     ("cmake", "after"),
     [
         ("install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})", "(DIRECTORY urdf meshes DESTINATION"),
