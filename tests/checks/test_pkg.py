@@ -1053,6 +1053,19 @@ def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
+    ("there", "told"), [("meshes/other.obj", True), ("parts/other.obj", False)], ids=["beside the file", "nowhere"]
+)
+def test_a_relative_path_of_an_included_file_starts_at_the_model(tmp_path: Path, there: str, told: bool) -> None:
+    part = f'<robot name="r">{make_mesh_link("a", "../meshes/wheel.stl")}</robot>'
+    main = f'<robot name="r" {XACRO}><xacro:include filename="urdf/part.urdf"/></robot>'
+    files = {"package.xml": manifest(), "d/urdf/part.urdf": part, "d/main.xacro": main, f"d/{there}": ""}
+    finding = only(check(write(tmp_path, files) / "d/main.xacro", codes={"PKG002"}))
+    assert ("; the path starts at the model's folder; from that of " in finding.message) == told
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `package://p/d/meshes/…`" if told else "correct the path, or add")
+
+
+@pytest.mark.parametrize(
     ("cmake", "told"),
     [
         ("find_package(lely_core_libraries REQUIRED)\ncogen_dcf(arm)", False),
