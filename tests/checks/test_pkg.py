@@ -1053,6 +1053,25 @@ def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
+    ("load", "severity"),
+    [("$(find p)/urdf/car.xacro", Severity.WARNING), ("$(find p)/urdf/gone.xacro", Severity.ERROR)],
+    ids=["others are named", "it is named"],
+)
+def test_a_file_that_none_names_and_that_lacks_a_package_is_a_warning(
+    tmp_path: Path, load: str, severity: Severity
+) -> None:
+    lacking = f'<robot name="r" {XACRO}><xacro:include filename="$(find gone_parts)/a.xacro"/></robot>'
+    files = {
+        "package.xml": manifest(),
+        "urdf/gone.xacro": lacking,
+        "urdf/car.xacro": f'<robot name="c" {XACRO}><link name="b"/></robot>',
+        "launch/car.launch": f"<launch><param name='robot_description' command='xacro {load}'/></launch>",
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/gone.xacro", codes={"PKG001"}))
+    assert (finding.message_id, finding.severity) == ("expansion", severity)
+
+
+@pytest.mark.parametrize(
     ("there", "told"), [("meshes/other.obj", True), ("parts/other.obj", False)], ids=["beside the file", "nowhere"]
 )
 def test_a_relative_path_of_an_included_file_starts_at_the_model(tmp_path: Path, there: str, told: bool) -> None:
