@@ -336,7 +336,7 @@ def _find_in_package(source: Source, name: str) -> Sequence[Path]:
 
 
 def _read_root(source: Source, place: Path, name: str) -> Element | None:
-    """Return the root of a file; None if it may not be opened, or is no XML."""
+    """Return the root of a file; None if it may not be opened, or is not XML."""
     try:
         return parse_xml(SourceFile.read(place, name)) if source.finder.can_open(place) else None
     except (OSError, XmlError):
