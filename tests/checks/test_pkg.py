@@ -1062,6 +1062,58 @@ def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
+    ("load", "severity"),
+    [("$(find p)/urdf/car.xacro", Severity.WARNING), ("$(find p)/urdf/gone.xacro", Severity.ERROR)],
+    ids=["others are named", "it is named"],
+)
+def test_a_file_that_none_names_and_that_lacks_a_package_is_a_warning(
+    tmp_path: Path, load: str, severity: Severity
+) -> None:
+    lacking = f'<robot name="r" {XACRO}><xacro:include filename="$(find gone_parts)/a.xacro"/></robot>'
+    files = {
+        "package.xml": manifest(),
+        "urdf/gone.xacro": lacking,
+        "urdf/car.xacro": f'<robot name="c" {XACRO}><link name="b"/></robot>',
+        "launch/car.launch": f"<launch><param name='robot_description' command='xacro {load}'/></launch>",
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/gone.xacro", codes={"PKG001"}))
+    assert (finding.message_id, finding.severity) == ("expansion", severity)
+
+
+@pytest.mark.parametrize(
+    ("there", "told"), [("meshes/other.obj", True), ("parts/other.obj", False)], ids=["beside the file", "nowhere"]
+)
+def test_a_relative_path_of_an_included_file_starts_at_the_model(tmp_path: Path, there: str, told: bool) -> None:
+    part = f'<robot name="r">{make_mesh_link("a", "../meshes/wheel.stl")}</robot>'
+    main = f'<robot name="r" {XACRO}><xacro:include filename="urdf/part.urdf"/></robot>'
+    files = {"package.xml": manifest(), "d/urdf/part.urdf": part, "d/main.xacro": main, f"d/{there}": ""}
+    finding = only(check(write(tmp_path, files) / "d/main.xacro", codes={"PKG002"}))
+    assert ("; the path starts at the model's folder; from that of " in finding.message) == told
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `package://p/d/meshes/…`" if told else "correct the path, or add")
+
+
+@pytest.mark.parametrize(
+    ("cmake", "told"),
+    [
+        ("find_package(lely_core_libraries REQUIRED)\ncogen_dcf(arm)", False),
+        ("generate_dcf(arm)", False),
+        ("setup_robot(arm)", False),
+        ("cogen_dcf(other)", True),
+        ("add_custom_target(arm)", True),
+        ("target_compile_features(arm PUBLIC c_std_99)", True),
+        ("set(arm 1 PARENT_SCOPE)", True),
+    ],
+)
+def test_a_function_of_another_package_may_install_the_folder_of_its_argument(
+    tmp_path: Path, cmake: str, told: bool
+) -> None:
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**files, "meshes/arm/b.stl": "", "CMakeLists.txt": f"project(p)\n{cmake}\nament_package()\n"})
+    assert bool(findings(tmp_path, "PKG008")) == told
+
+
+@pytest.mark.parametrize(
     ("cmake", "after"),
     [
         ("install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})", "(DIRECTORY urdf meshes DESTINATION"),

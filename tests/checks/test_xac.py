@@ -1129,6 +1129,38 @@ def test_a_file_that_lacks_a_macro_and_that_no_file_names_is_a_warning(
     assert finding.fix.title.startswith(repair)
 
 
+def test_a_macro_of_another_case_names_the_condition_and_no_other_file(tmp_path: Path) -> None:
+    inner = '<xacro:macro name="spoke"><link name="s"/></xacro:macro>'
+    arm = HEAD + '<xacro:macro name="{}" params="kind"><xacro:if value="${{kind == \'big\'}}">' + inner + "</xacro:if>"
+    arm += "\n<xacro:spoke/></xacro:macro>"
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/other.xacro": arm.format("other") + "</robot>",
+        "urdf/car.urdf.xacro": arm.format("car")
+        + '<xacro:arg name="kind" default="small"/><xacro:car kind="$(arg kind)"/></robot>',
+    }
+    folder = write(tmp_path, files)
+    finding = only(check(folder / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert finding.message_id == "macro-conditional"
+    assert finding.message == "macro spoke is only defined if `${kind == 'big'}`, which does not hold here"
+    assert finding.data["remedy"] == "--arg kind:=big"
+    assert not check(folder / "urdf/car.urdf.xacro", codes={"XAC001"}, arguments={"kind": "big"}).findings
+
+
+@pytest.mark.parametrize(
+    "around", ['<xacro:if value="$(arg big)">{}</xacro:if>', '<xacro:macro name="all">{}</xacro:macro>']
+)
+def test_no_file_is_to_be_included_that_defines_a_macro_in_a_part_only(tmp_path: Path, around: str) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/parts.xacro": HEAD + around.format(WHEEL) + "</robot>",
+        "urdf/car.urdf.xacro": HEAD + '<link name="b"/><xacro:wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("define the macro before this line (parts.xacro may: ")
+
+
 def test_the_file_that_defines_a_macro_is_named(tmp_path: Path) -> None:
     files = {
         "package.xml": "<package><name>car</name></package>",

@@ -33,7 +33,7 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside, is_named_nowhere
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 # So many files are looked up in other packages to find the one that is meant.
@@ -52,7 +52,11 @@ _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)"
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("package-not-found"):
         package = str(problem.data["package"])
-        yield _build_finding(source, rule, package, at=problem.location, related=problem.related)
+        finding = _build_finding(source, rule, package, at=problem.location, related=problem.related)
+        # No program loads a file that none names where the others name other models, as in XAC001.
+        is_aside = finding.message_id == "expansion" and not source.is_part and is_named_nowhere(source)
+        is_aside = is_aside and is_certainly_left_aside(source)
+        yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_aside else finding
     missing: dict[str, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
         if use.resource.package is not None and use.resource.path is None and not is_misspelt(use, source):

@@ -179,6 +179,8 @@ def _build_finding(
     outside = {} if argued or elsewhere else _find_outside(gap, source)
     here = {} if argued or elsewhere or similar_files or owners or outside else _find_files_here(gap, source)
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
+    is_explained = bool(argued or outside or elsewhere or near or here)
+    beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
     hint = argued or (
         _describe_place(outside, source)
         if outside
@@ -190,7 +192,7 @@ def _build_finding(
         if owners
         else f" (did you mean {join_names(near, 2)}?)"
         if near
-        else ""
+        else beside
     )
     message = "folder" if gap.folder is not None else "file" if len(gap.files) == 1 else "several"
     return rule.finding(
@@ -205,6 +207,7 @@ def _build_finding(
         if here
         else _describe_owner(gap, owners)
         or _describe_checkout(gap, source)
+        or repair_beside
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
@@ -267,6 +270,39 @@ def _describe_place(outside: Mapping[ResourceUse, Path], source: Source) -> str:
     folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in outside.values())
     what = "it is" if len(set(outside.values())) == 1 else "they are"
     return f" (from the model's folder {what} in {join_names(folders, 2)})"
+
+
+def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, str]:
+    """Say that relative paths in an included file start at the model's folder, where they lead to a folder from the file's own.
+
+    With the repair; both empty for all others.
+    """
+    folders: dict[Path, None] = {}
+    parts: dict[str, None] = {}
+    for use in gap.uses:
+        span = use.attribute.span
+        file = None if span is None else source.files.get(span.file)
+        if file is None or use.resource.kind != "relative":
+            return "", ""
+        own = file.path.absolute().parent
+        folder = normalise_path(own / use.resource.text).parent
+        is_other = normalise_path(own) != normalise_path(source.path.absolute().parent)
+        if not is_other or not source.finder.can_open(folder) or not folder.is_dir():
+            return "", ""
+        folders[folder] = parts[file.name] = None
+    subject, lead = ("the path starts", "it leads") if len(gap.files) == 1 else ("the paths start", "they lead")
+    exist = "which exists" if len(folders) == 1 else "which exist"
+    places = join_names(map(format_path, folders), 2)
+    hint = f"; {subject} at the model's folder; from that of {join_names(parts, 2)} {lead} to {places}, {exist}"
+    folder = next(iter(folders))
+    package = source.finder.find_package_of(folder)
+    if package is None:
+        return hint, ""
+    inside = Path(os.path.relpath(folder, package.path.absolute())).as_posix()
+    return (
+        hint,
+        f"write `package://{package.name}/{inside}/…`, which means the same in every model, or correct the path",
+    )
 
 
 def _propose_edits(outside: Mapping[ResourceUse, Path], source: Source) -> list[Edit]:

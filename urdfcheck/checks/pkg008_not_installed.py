@@ -109,9 +109,17 @@ def _collect_missing_folders(package: Package, installed: InstalledFiles) -> dic
         folder = mention.folder
         if not folder or installed.may_fill(folder) or not (package.path / folder).is_dir():
             continue
+        if _is_left_to_function(package.path / folder, installed):
+            continue
         if not _is_left_over(mention, package, installed):
             missing.setdefault(folder, []).append(mention)
     return missing
+
+
+def _is_left_to_function(folder: Path, installed: InstalledFiles) -> bool:
+    """Whether a function of another package is called with the name of a folder in this one, which it may install."""
+    names = (word for word in installed.function_words if word.isprintable() and "/" not in word)
+    return any(word not in {"", ".", ".."} and (folder / word).is_dir() for word in names)
 
 
 def _is_left_over(mention: PackageMention, package: Package, installed: InstalledFiles) -> bool:

@@ -266,11 +266,18 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     known = collect_macros(failure.source.trees)
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
+    conditions = find_conditions(failure.source.trees, name, failure.problem.location.span, "xacro:macro")
+    if conditions:
+        return _explain_conditional_macro(failure, name, conditions)
     defining = _find_defining_files(failure.source, name, read_defined_macros)
     repair = "include the file that defines the macro before this line, or delete the call if it is left over"
     if near:
         repair = "correct the name, or include the file that defines the macro before this line"
-    if defining:
+    if defining and all(_defines_in_part(failure.source, file, name) for file in defining):
+        where = "under a condition, or in another macro"
+        repair = f"define the macro before this line ({' and '.join(defining)} may: it is there {where}), or correct the name"
+    elif defining:
+        defining = [file for file in defining if not _defines_in_part(failure.source, file, name)]
         repair = _describe_include(failure.source, defining, "correct the name", ", which defines the macro,")
     return _build_report(
         failure,
@@ -283,6 +290,57 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         repair=repair,
         defining=defining,
     )
+
+
+def _explain_conditional_macro(
+    failure: _ExpansionFailure, name: str, conditions: tuple[Condition, ...]
+) -> _FailureReport:
+    """Explain a macro that the files that were read define for other values."""
+    options = _choose_values(failure.source, conditions)
+    otherwise = "define it in all other cases"
+    return _build_report(
+        failure,
+        "macro-conditional",
+        extra=tuple(condition.element.location for condition in conditions),
+        name=name,
+        where=" or ".join(map(str, conditions)),
+        repair=f"give a value for which it is defined: `{options}`; or {otherwise}" if options else otherwise,
+        remedy=options,
+    )
+
+
+def _defines_in_part(source: Source, name: str, macro: str) -> bool:
+    """Whether a file of the package, by its name, defines a macro only under conditions or in other macros.
+
+    Then to include the file may not define it.
+    """
+    for place in _find_in_package(source, name):
+        root = _read_root(source, place, name)
+        found = [] if root is None else [e for e in root.walk() if e.tag == "xacro:macro"]
+        named = [e for e in found if e.get("name").removeprefix("xacro:") == macro]
+        if not named or not all(map(_is_in_part, named)):
+            return False
+    return True
+
+
+def _is_in_part(definition: Element) -> bool:
+    outer = definition.parent
+    while outer is not None and outer.tag not in {"xacro:if", "xacro:unless", "xacro:macro"}:
+        outer = outer.parent
+    return outer is not None
+
+
+def _find_in_package(source: Source, name: str) -> Sequence[Path]:
+    package = source.finder.find_package_of(source.path.absolute())
+    return [] if package is None else index_files([package.path]).get(name.lower(), [])
+
+
+def _read_root(source: Source, place: Path, name: str) -> Element | None:
+    """Return the root of a file; None if it may not be opened, or is not XML."""
+    try:
+        return parse_xml(SourceFile.read(place, name)) if source.finder.can_open(place) else None
+    except (OSError, XmlError):
+        return None
 
 
 def _is_orphan(source: Source) -> bool:
@@ -312,13 +370,8 @@ def _describe_include(source: Source, files: Sequence[str], otherwise: str, clau
 
 def _is_robot(source: Source, name: str) -> bool:
     """Whether a file of the package, by its name, makes links or joints by itself."""
-    package = source.finder.find_package_of(source.path.absolute())
-    places = [] if package is None else index_files([package.path]).get(name.lower(), [])
-    for place in places:
-        try:
-            root = parse_xml(SourceFile.read(place, name)) if source.finder.can_open(place) else None
-        except (OSError, XmlError):
-            continue
+    for place in _find_in_package(source, name):
+        root = _read_root(source, place, name)
         if root is not None and "name" in root.attributes and has_parts(root):
             return True
     return False

@@ -8,12 +8,18 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
+from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import iter_elements_by_tag
+
+# What only the programs of one version of ROS read.
+_EXTENSIONS = frozenset({"gazebo", "ros2_control", "transmission"})
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     yield from _check_ignored(source, rule)
     decisions = source.find_problems("environment-decides")
-    if decisions:
+    if decisions and not all(_chooses_extensions(source, p) for p in decisions):
         # This import loads the expansion, and few models need it.
         from urdfcheck.source.other_environments import get_variable
 
@@ -34,6 +40,35 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("random", at=first, related=others[:9], severity=Severity.ERROR)
         else:
             yield rule.finding("order", at=first, related=others[:9])
+
+
+def _chooses_extensions(source: Source, problem: Problem) -> bool:
+    """Whether the version of ROS chooses in a condition only what the programs of that version read: plugins and interfaces.
+
+    Links and joints are the same in all versions, and that the others differ is meant.
+    """
+    span = problem.location.span
+    if problem.data["variable"] != "ROS_VERSION" or span is None:
+        return False
+    for tag in ("xacro:if", "xacro:unless"):
+        for condition in iter_elements_by_tag(source.trees, tag):
+            value = condition.attributes.get("value")
+            if (
+                value is not None
+                and value.span is not None
+                and (value.span.file, value.span.start) == (span.file, span.start)
+            ):
+                return _is_extension(condition) or all(map(_is_extension, condition.children))
+    return False
+
+
+def _is_extension(element: Element) -> bool:
+    outer: Element | None = element
+    while outer is not None:
+        if outer.tag in _EXTENSIONS:
+            return True
+        outer = outer.parent
+    return False
 
 
 def _check_ignored(source: Source, rule: Rule) -> Iterator[Finding]:

@@ -75,6 +75,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
                 message = "forgiven"
+            is_harmless = message == _OUR_CHOICE and bool(problem.data.get("bare"))
+            message = "doctype-bare" if is_harmless else message
             unread = _REPAIR_OF_UNREADABLE
             if problem.message == OUT_OF_REACH:
                 finding = _report_place_here(source, problem, rule)
@@ -83,9 +85,11 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                     continue
                 unread = _REPAIR_OF_UNREACHABLE
             repair = _describe_declaration(problem) if problem.kind == "prefix" else problem.data.get("repair", unread)
-            yield rule.finding(
+            finding = rule.finding(
                 message, at=location, cause=cause, file=source.name, error=problem.message, repair=repair
             )
+            # Every program loads the file, and only we do not read it.
+            yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_harmless else finding
     for problem in source.find_problems(*_MISREAD):
         data = {**problem.data, "count": len(problem.data["places"])}
         first, *others = data.pop("places")

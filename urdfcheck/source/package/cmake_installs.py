@@ -41,6 +41,13 @@ _QUIET = frozenset({
     "include_directories", "add_executable", "add_library", "ament_target_dependencies", "ament_export_dependencies",
     "ament_export_include_directories", "ament_export_libraries", "ament_export_targets", "add_compile_options",
 })  # fmt: skip
+# Other commands of CMake and ROS: they take the names of targets and variables, and install no folder by its name alone.
+_OWN_COMMANDS = frozenset({
+    "cmake_parse_arguments", "cmake_policy", "configure_file", "define_property", "enable_testing", "endfunction", "endmacro",
+    "execute_process", "export", "file", "function", "include_guard", "install", "link_directories", "list", "macro",
+    "mark_as_advanced", "math", "return", "separate_arguments", "set", "string", "try_compile", "try_run", "while", "endwhile",
+})  # fmt: skip
+_OWN_PREFIXES = ("add_", "ament_", "catkin_", "find_", "get_", "rosidl_", "set_", "target_")
 # What ends the list of folders or files of an install command.
 _KEYWORDS = frozenset({
     "DESTINATION", "TYPE", "RENAME", "PATTERN", "REGEX", "EXCLUDE", "PERMISSIONS", "CONFIGURATIONS", "COMPONENT", "OPTIONAL",
@@ -96,7 +103,10 @@ def read_cmake_installs(
     reader = _CmakeReader(package, read_text)
     reader.run_commands(commands)
     return InstalledFiles(
-        entries=tuple(reader.entries), is_complete=reader.is_complete, other_names=frozenset(reader.other_names)
+        entries=tuple(reader.entries),
+        is_complete=reader.is_complete,
+        other_names=frozenset(reader.other_names),
+        function_words=frozenset(reader.function_words),
     )
 
 
@@ -123,6 +133,7 @@ class _CmakeReader:
         self.entries: list[InstalledEntry] = []
         self.is_complete = True
         self.other_names: set[str] = set()
+        self.function_words: set[str] = set()
         self.count = 0
         self.characters = 0
 
@@ -186,7 +197,10 @@ class _CmakeReader:
         elif command.name == "xacro_add_files":
             self.read_expansions(self.expand_words(command.words))
         elif command.name not in _QUIET and command.name != "list":
-            self.other_names.update(p for word in self.expand_words(command.words) for p in word.split("/"))
+            words = self.expand_words(command.words)
+            self.other_names.update(part for word in words for part in word.split("/"))
+            if command.name not in _OWN_COMMANDS and not command.name.startswith(_OWN_PREFIXES):
+                self.function_words.update(words)
 
     def add_subdirectory(self, words: Sequence[str]) -> None:
         """Run the CMakeLists.txt of a folder, whose variables are its own."""

@@ -85,6 +85,9 @@ class InstalledFiles:
     """Whether nothing else can be installed: every command and every value in it was understood."""
     other_names: frozenset[str] = frozenset()
     """Parts of paths in commands that are not understood and that may install what they name."""
+    function_words: frozenset[str] = frozenset()
+    """The arguments of functions that neither CMake nor ament has: such a function may install a folder of that name in any that
+    it knows, as ``cogen_dcf(car)`` of lely_core_libraries installs ``config/car``."""
 
     def find_sources(self, place: str) -> Iterator[str]:
         """Yield what may be installed at a place."""

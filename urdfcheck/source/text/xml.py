@@ -45,7 +45,8 @@ class XmlError(Exception):
     """The text is not XML that may be read.
 
     ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large. For
-    malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for too-large, ``what`` exceeds
+    malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype, whether the
+    declaration is ``bare``, a name alone; for too-large, ``what`` exceeds
     the limit (bytes | depth | attributes | value | parts), the ``limit`` and the number ``found``.
     """
 
@@ -423,10 +424,12 @@ class _Parser:
         if self.source.instruction is None and (self.root is not None or self.source.comments):
             self.source.instruction = self._make_span_to("?>", begin)
 
-    def _refuse_doctype(self, *_: object) -> None:
+    def _refuse_doctype(self, _name: str, system: str | None, public: str | None, has_subset: int) -> None:
         # The parser is already behind the declared name.
         begin = self.text.rfind("<!DOCTYPE", 0, self._find_offset(self.expat.CurrentByteIndex))
-        raise XmlError("doctype", "a document type declaration is refused", self.source.make_span(begin, begin + 9))
+        span = self.source.make_span(begin, begin + 9)
+        data = {"bare": not (system or public or has_subset)}
+        raise XmlError("doctype", "a document type declaration is refused", span, data=data)
 
     def _find_offset(self, index: int) -> int:
         """Return the offset in code points of a byte."""

@@ -267,13 +267,15 @@ class Condition:
         return f"{_CONDITIONS[self.element.tag]} `{self.element.get('value').strip()}`"
 
 
-def find_conditions(trees: Mapping[str, Element], name: str, place: Span | None) -> tuple[Condition, ...]:
-    """Return the conditions under which a property is defined; empty if one of its definitions has none.
+def find_conditions(
+    trees: Mapping[str, Element], name: str, place: Span | None, tag: str = "xacro:property"
+) -> tuple[Condition, ...]:
+    """Return the conditions under which a property, or a macro, is defined; empty if one of its definitions has none.
 
     :param place: where the property is missing; what is defined around it or after it has another cause.
     """
     found: dict[str, Condition] = {}
-    for definition in iter_elements_by_tag(trees, "xacro:property"):
+    for definition in iter_elements_by_tag(trees, tag):
         if definition.get("name") != name or "remove" in definition.attributes:
             continue
         element = _find_condition_element(definition)
@@ -285,8 +287,11 @@ def find_conditions(trees: Mapping[str, Element], name: str, place: Span | None)
 
 
 def list_condition_arguments(trees: Mapping[str, Element], conditions: Iterable[Condition]) -> tuple[str, ...]:
-    """Return the arguments that conditions read, themselves or by way of properties, in the order in which they are met."""
-    found: dict[str, None] = {}
+    """Return the arguments that conditions read, in the order in which they are met.
+
+    They read them themselves, or by way of properties and of parameters of the macros around the conditions.
+    """
+    conditions, found = tuple(conditions), dict[str, None]()
     texts, seen = [condition.element.get("value") for condition in conditions], set[str]()
     while texts:
         text = texts.pop(0)
@@ -296,7 +301,19 @@ def list_condition_arguments(trees: Mapping[str, Element], conditions: Iterable[
                 seen.add(name)
                 definitions = (e for e in iter_elements_by_tag(trees, "xacro:property") if e.get("name") == name)
                 texts += [definition.get("value") for definition in definitions]
+                texts += _list_given_values(trees, conditions, name)
     return tuple(found)
+
+
+def _list_given_values(trees: Mapping[str, Element], conditions: Iterable[Condition], name: str) -> list[str]:
+    """Return what calls give a parameter of the macros around conditions."""
+    macros = set()
+    for condition in conditions:
+        element = condition.element.parent
+        while element is not None and element.tag != "xacro:macro":
+            element = element.parent
+        macros |= set() if element is None else {element.get("name").removeprefix("xacro:")}
+    return [call.get(name) for macro in sorted(macros) for call in iter_elements_by_tag(trees, f"xacro:{macro}")]
 
 
 def collect_definitions(trees: Mapping[str, Element]) -> dict[str, list[Element]]:
