@@ -21,7 +21,6 @@ from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 from urdfcheck.model.use.display import is_without_dynamics
-from urdfcheck.model.use.simulators import ignores_self_collisions
 
 if TYPE_CHECKING:
     from urdfcheck.model.motion.collisions.lying_meshes import LyingMeshes
@@ -344,10 +343,7 @@ def _build_overlap_finding(
             *(locate_geometry(s) for _, c in group[1:] for s in c.shapes if s is not shape),
         ],
         severity=Severity.INFO
-        if is_unused
-        or is_disabled
-        or all(_is_at_unused_pose(model, p) for p, _ in group)
-        or (ignores_self_collisions(model) and not semantic_descriptions(model))
+        if is_unused or is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group)
         else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
         srdf=_INTENDED if is_disabled else _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE,

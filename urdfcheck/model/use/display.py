@@ -10,13 +10,15 @@ from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import compile_names, list_project_texts
-from urdfcheck.model.use.simulators import COLLISION_CHECKER, GAZEBO, SIMULATOR, has_elements, is_simulated
+from urdfcheck.model.use.simulators import GAZEBO, SIMULATOR, has_elements, is_simulated
 from urdfcheck.source.uses_elsewhere import MODEL_FILE, read_includers
 
 # Programs that compute with masses without being simulators, in launch files and scripts. KDL's kinematics for MoveIt do not.
 _DYNAMICS = re.compile(
     r"pinocchio|rbdl|\bkdl(?!_kinematics)|drake|crocoddyl|inverse_dynamics|gravity|placo|mjcf", re.IGNORECASE
 )
+# Programs that check a robot for collisions with itself, in manifests, launch files and scripts.
+_COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tesseract|\bompl\b|curobo", re.IGNORECASE)
 # Elements and files of a robot for a simulator or for controllers, as a xacro file names them.
 _CONTROLLED = re.compile(r"gazebo|mujoco|isaac|ros2_control|transmission")
 # The program that publishes the frames of a robot and reads no mass.
@@ -87,7 +89,7 @@ def is_without_dynamics(model: Model) -> bool:
     links = _list_moving_links(model)
     if not links or any(link.inertial is not None for link in links) or is_simulated(model):
         return False
-    return not any(map(COLLISION_CHECKER.search, list_project_texts(model)))
+    return not any(map(_COLLISION_CHECKER.search, list_project_texts(model)))
 
 
 def _list_moving_links(model: Model) -> list[Link]:

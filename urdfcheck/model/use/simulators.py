@@ -9,7 +9,6 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import MODEL_FILE, name_other_models_only
-from urdfcheck.source.xacro.usage import strip_namespace
 
 # Elements of a robot that only simulators read.
 _ELEMENTS = ("gazebo", "mujoco")
@@ -26,12 +25,6 @@ GAZEBO = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|gzserver")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # A model of MuJoCo's own, as launch files and scripts name it.
 _SCENE = re.compile(r"(?<![\w-])(?!package\.)[\w-]+\.xml\b")
-# Programs that check a robot for collisions with itself, in manifests, launch files and scripts.
-COLLISION_CHECKER = re.compile(r"moveit|pinocchio|\bfcl\b|hpp-?fcl|\bcoal\b|tesseract|\bompl\b|curobo", re.IGNORECASE)
-# Engines in which the links of one robot collide, at least on request, without an element of its file.
-_COLLIDING_ENGINE = re.compile(
-    r"mujoco|mjcf|isaac|drake|bullet|webots|coppelia|raisim|newton|genesis|sapien", re.IGNORECASE
-)
 
 
 def is_simulated_hardware(control: Element) -> bool:
@@ -89,19 +82,3 @@ def is_left_aside(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, name other models and not this one: a copy for
     display, or for other programs."""
     return name_other_models_only(list_project_texts(model), model.source.path.name)
-
-
-def ignores_self_collisions(model: Model) -> bool:
-    """Whether the files of the model's package, and of packages that depend on it, name Gazebo and nothing else in which links of
-    one robot collide, and no element of the robot makes them collide there."""
-    texts = list_project_texts(model)
-    if model.source.package is None or not any(map(GAZEBO.search, texts)):
-        return False
-    if any(COLLISION_CHECKER.search(text) or _COLLIDING_ENGINE.search(text) for text in texts):
-        return False
-    blocks = (element for block in model.robot.find_children("gazebo") for element in block.walk())
-    return not any(
-        strip_namespace(element.tag).lower().replace("_", "") == "selfcollide"
-        and element.text.strip().lower() in {"true", "1"}
-        for element in blocks
-    )
