@@ -183,7 +183,7 @@ def test_units_are_what_their_names_say(read: ReadRobot) -> None:
 
 
 def test_a_right_repair_is_told_from_a_wrong_one(read: ReadRobot) -> None:
-    kind, part = find_kind("products_sign"), find_part(read, "tool")
+    kind, part = find_kind("products_sign"), find_part(read, "left_arm")
     made = kind.make(part, np.random.default_rng(1))
     assert isinstance(made, list)
     texts = read.apply(made)
@@ -194,7 +194,7 @@ def test_a_right_repair_is_told_from_a_wrong_one(read: ReadRobot) -> None:
     # The same findings about another mistake: the cause is a wrong one, the repair brings back what was there.
     other = judge(find_kind("com_moved"), "", part.subjects, read, texts, new)
     assert (other.named, other.wrong) == (False, True)
-    elsewhere = judge(kind, "", {"link[left_arm]"}, read, texts, new)
+    elsewhere = judge(kind, "", {"link[tool]"}, read, texts, new)
     assert (elsewhere.found, elsewhere.other) == (False, True)
 
 

@@ -99,7 +99,7 @@ def write_package(folder: Path) -> Path:
     make_frame().export(package / "meshes" / "frame.stl")
     (package / "meshes" / "body.dae").write_text(COLLADA)
     (package / "meshes" / "paint.png").write_bytes(b"image")
-    (package / "unread.txt").write_text("not read")
+    (package / "unread.dat").write_text("not read")
     model = package / "urdf" / "cart.urdf.xacro"
     model.write_text(URDF_XACRO)
     return model
@@ -137,7 +137,7 @@ def test_the_model_is_not_changed_and_copied_as_far_as_it_is_read(cart: tuple[Pa
     folder, document, before = cart
     assert digest(folder / "src") == before
     copied = digest(folder / "out")
-    assert set(copied) == {name for name in before if name != "cart/unread.txt"}
+    assert set(copied) == {name for name in before if name != "cart/unread.dat"}
     assert document["files"] == len(copied)
     assert copied["cart/meshes/wheel.stl"] == before["cart/meshes/wheel.stl"]
 
