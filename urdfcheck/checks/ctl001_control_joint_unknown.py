@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_name_hint, join_names
+from urdfcheck.core.text import SLIP_LIKENESS, compile_names, find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
@@ -84,7 +83,7 @@ def _list_sharing_files(model: Model, name: Attribute, meant: str | None) -> lis
         return []
     file = None if name.span is None else model.source.files.get(name.span.file)
     here = {one.path.absolute() for one in (model.source.files.values())}
-    word, other = (re.compile(rf"(?<![\w.-]){re.escape(text)}(?![\w.-])") for text in (name.value, meant))
+    word, other = (compile_names((text,)) for text in (name.value, meant))
     found = dict.fromkeys(
         path.name
         for path, text in iter_project_texts(model.source, None if file is None else file.path)

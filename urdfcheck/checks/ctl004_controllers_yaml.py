@@ -38,7 +38,7 @@ from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
 from urdfcheck.source.uses_elsewhere import find_other_includers, is_left_output
-from urdfcheck.system.files import FileTooLargeError, read_regular
+from urdfcheck.system.files import read_text_or_nothing
 
 # Each suggestion compares all names.
 MOST_HINTS = 100
@@ -164,7 +164,7 @@ def _find_source_without(model: Model, element: Element) -> str | None:
     name = "" if plugin is None else plugin.get("filename").strip()
     if len(found) != 1 or not name or not model.source.finder.can_open(found[0]):
         return None
-    text = _read_text(found[0])
+    text = read_text_or_nothing(found[0])
     return None if not text or name in text or "include" in text else found[0].name
 
 
@@ -207,7 +207,7 @@ def _is_in_container(model: Model, path: str) -> bool:
     folders = [level / below for level in finder.list_parent_folders() for below in _CONTAINER_FOLDERS]
     files = (file for folder in folders if finder.can_open(folder) for file in _list_entries(folder))
     return any(
-        place.search(_read_text(file)) is not None
+        place.search(read_text_or_nothing(file)) is not None
         for file in files
         if _CONTAINER_FILE.search(file.name) and finder.can_open(file)
     )
@@ -218,13 +218,6 @@ def _list_entries(folder: Path) -> list[Path]:
         return sorted(folder.iterdir())
     except OSError:  # most projects have no such folder
         return []
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_regular(path).decode("utf-8", errors="replace")
-    except (OSError, FileTooLargeError):
-        return ""
 
 
 def _read_package_in_path(model: Model, path: str) -> tuple[str, str] | None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
-from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
@@ -26,7 +25,7 @@ from urdfcheck.source.ros.srdf import (
 )
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
-from urdfcheck.system.files import read_regular
+from urdfcheck.system.files import read_text_or_nothing
 
 # In a description that may be for a variant of the robot, a name this similar to an unused one is a misspelling of it. Left and
 # right fingers have a similarity of 0.79.
@@ -137,7 +136,7 @@ def _check_unknown_names(
         return  # it is for another robot of this name
     is_certain = is_configured_for(srdf, model.source)
     original = find_original_model(srdf, model.source)
-    text = "" if original is None else _read_text(original)
+    text = "" if original is None else read_text_or_nothing(original)
     for index, ((kind, name), like) in enumerate(missing.items()):
         candidates = known[kind] - _list_names_beside(like) if index < MAX_HINTS else frozenset[str]()
         if is_certain:
@@ -168,13 +167,6 @@ def _check_unknown_names(
             name=name,
             near=format_name_hint(name, candidates),
         )
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return ""
 
 
 def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:

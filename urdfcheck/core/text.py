@@ -94,6 +94,11 @@ def format_name_hint(name: str, known: Iterable[str]) -> str:
     return f" (did you mean {close!r}?)" if close else ""
 
 
+def compile_names(names: Iterable[str]) -> re.Pattern[str]:
+    """Compile a pattern of these names, each as a whole word: ``arm.urdf`` is not in ``left_arm.urdf`` or ``arm.urdf.xacro``."""
+    return re.compile(rf"(?<![\w.-])(?:{'|'.join(map(re.escape, names))})(?![\w.-])")
+
+
 def join_names(names: Iterable[str], most: int = 6) -> str:
     """Return ``a, b, c and 4 more``."""
     names = list(names)

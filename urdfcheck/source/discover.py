@@ -33,7 +33,7 @@ from urdfcheck.source.plan import DiscoveryConfig, ModelTarget, Plan
 from urdfcheck.source.planning_budget import PlanningBudget
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach, explain_unreachable
 from urdfcheck.source.text.xml import Element
-from urdfcheck.system.files import is_known_file, read_regular
+from urdfcheck.system.files import is_known_file, read_text_or_nothing
 
 # How much of a placeholder is shown.
 _LONGEST_SHOWN = 40
@@ -189,7 +189,7 @@ class _Planner:
     def add_folder(self, path: Path) -> None:
         folder = self.get_folder(path)
         self.given_folders.append(resolve_path(path))
-        launches = {launch: _read_text(launch) for launch in folder.launches if launch.suffix != ".py"}
+        launches = {launch: read_text_or_nothing(launch) for launch in folder.launches if launch.suffix != ".py"}
         passed_over = {**_find_dead_files(folder, launches), **_find_templates(folder, launches)}
         for found in folder.found_models:
             if found.path not in passed_over:
@@ -238,7 +238,7 @@ class _Planner:
 
     def add_file(self, path: Path) -> None:
         other = find_other_format(path)
-        if is_launch(path) and path.suffix != ".py" and is_foreign_launch(_read_text(path)):
+        if is_launch(path) and path.suffix != ".py" and is_foreign_launch(read_text_or_nothing(path)):
             reason = "this is a launch configuration of Eclipse; urdfcheck reads launch files of ROS"
             self.missing.append((format_path(path), reason))
         elif is_launch(path):
@@ -569,8 +569,8 @@ def _find_dead_files(folder: FolderIndex, launches: Mapping[Path, str]) -> dict[
     blank = [path for path, file in folder.files.items() if file.is_blank]
     blank += [path for path, text in launches.items() if is_blank(text)]
     return {
-        path: f", because {'all of it is in a comment' if _read_text(path).strip() else 'it is empty'} and no file names it"
-        for path in blank
+        path: f", because {'all of it is in a comment' if text.strip() else 'it is empty'} and no file names it"
+        for path, text in ((path, read_text_or_nothing(path)) for path in blank)
         if folder.finder.find_package_of(path.absolute()) is not None and not folder.is_named(path)
     }
 
@@ -597,11 +597,3 @@ def _assign_launches(targets: Sequence[ModelTarget]) -> list[ModelTarget]:
         models.append(replace(target, launches=launches))
         assigned |= {resolve_path(launch) for launch in launches}
     return models
-
-
-def _read_text(path: Path) -> str:
-    """Return the text of a file, as far as it can be read."""
-    try:
-        return read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return ""

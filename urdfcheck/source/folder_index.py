@@ -15,7 +15,7 @@ from functools import cached_property
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import find_nearest_name
+from urdfcheck.core.text import compile_names, find_nearest_name
 from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
 from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
@@ -199,7 +199,7 @@ class FolderIndex:
 
     def is_named(self, path: Path) -> bool:
         """Whether another file of the folder names this one: a model, a launch file, or a text of a package."""
-        name, own = re.compile(rf"(?<![\w.-]){re.escape(path.name)}(?![\w.-])"), {path, path.absolute()}
+        name, own = compile_names((path.name,)), {path, path.absolute()}
         if self.graph.is_included(self.reals[path]) or any(
             name.search(file.text) for other, file in self.files.items() if other not in own
         ):

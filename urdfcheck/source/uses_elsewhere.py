@@ -14,6 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.model_file import names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
@@ -251,7 +252,7 @@ def find_deploying_script(source: Source) -> Path | None:
     tree = source.main_tree
     if source.package is not None or not source.is_xacro or tree is None or can_have_name(tree):
         return None
-    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    own = compile_names((source.path.name,))
     for here, names, files in walk(find_project_folder(source.path)):
         names[:] = [name for name in names if not name.startswith(".")]
         for path in (Path(here, name) for name in sorted(files) if name.endswith(_SCRIPT_SUFFIXES)):
@@ -296,7 +297,7 @@ def is_named_nowhere(source: Source) -> bool:
 
 def is_kept_output(source: Source) -> bool:
     """Whether xacro wrote the model, and no file of its package, or of one that depends on it, names it. False without one."""
-    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    own = compile_names((source.path.name,))
     is_kept = source.is_output_of_xacro and source.package is not None
     return is_kept and not any(map(own.search, read_project_texts(source)))
 
@@ -308,7 +309,7 @@ def is_left_output(source: Source) -> bool:
 
 def is_named_around(source: Source) -> bool:
     """Whether a file of any package around the model names it, with or without a declared dependency."""
-    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    own = compile_names((source.path.name,))
     folders = sorted(set(source.finder.list_workspace_packages().values()))
     texts = (text for folder in folders for text in read_package_texts(folder, source.finder.can_open))
     return any(map(own.search, texts))

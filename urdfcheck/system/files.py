@@ -116,6 +116,14 @@ def read_regular(path: Path, limit: int = MAX_TEXT) -> bytes:
     return _read_whole(path, limit, with_digest=is_observing())[0]
 
 
+def read_text_or_nothing(path: Path, limit: int = MAX_TEXT) -> str:
+    """Return the text of a file that is searched and not parsed; empty if it cannot be read or has more than ``limit`` bytes."""
+    try:
+        return read_regular(path, limit).decode("utf-8", "replace")
+    except OSError:
+        return ""
+
+
 def read_with_digest(path: Path, limit: int) -> tuple[bytes, str]:
     """Do the same as `read_regular`, and return the SHA-256 of the bytes, in hex, too."""
     return _read_whole(path, limit, with_digest=True)

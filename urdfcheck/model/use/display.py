@@ -5,11 +5,12 @@ from __future__ import annotations
 import re
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
 from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.use.project_texts import compile_names, list_project_texts
+from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, SIMULATOR, has_elements, is_simulated
 from urdfcheck.source.uses_elsewhere import MODEL_FILE, read_includers
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 
+from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
-from urdfcheck.model.use.project_texts import compile_names, list_project_texts
+from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import MODEL_FILE

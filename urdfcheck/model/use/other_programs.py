@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable
 
+from urdfcheck.core.text import compile_names
 from urdfcheck.model.robot import Model
-from urdfcheck.model.use.project_texts import compile_names, list_project_texts
+from urdfcheck.model.use.project_texts import list_project_texts
 
 # The packages of ros_control that read transmissions, in manifests, launch files and scripts.
 _ROS_CONTROL = re.compile(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
@@ -22,8 +21,3 @@ def _drop_comments(text: str) -> str:
     """Leave out comments: generated manifests mention Gazebo in theirs."""
     head, *rest = text.split("<!--")
     return _REMARK.sub("", head + "".join(piece.partition("-->")[2] for piece in rest))
-
-
-def compile_names(names: Iterable[str]) -> re.Pattern[str]:
-    """Compile a pattern of these names, each as a whole word."""
-    return re.compile(rf"(?<![\w.-])(?:{'|'.join(map(re.escape, names))})(?![\w.-])")

@@ -6,20 +6,20 @@ Launch files in Python and MoveIt's settings say so only in part: the model itse
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Mapping
 from functools import cached_property, lru_cache
 from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import BESIDE, MOST_LAUNCHES, iter_launch_files, read_passed_arguments
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import has_dependency_entry
 from urdfcheck.source.ros.srdf import read_setup_arguments
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
-from urdfcheck.system.files import read_regular
+from urdfcheck.system.files import read_text_or_nothing
 
 # Limit on the sets of arguments that one model is expanded with again.
 _MOST_VARIANTS = 6
@@ -108,15 +108,8 @@ def _iter_argument_sets(source: Source) -> Iterator[tuple[Path, Mapping[str, str
     launches = (
         path for folder in (package.path, *dependents) for path in iter_launch_files(folder, finder, with_unnamed=True)
     )
-    own = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w.-])")
+    own = compile_names((source.path.name,))
     for launch in islice(launches, MOST_LAUNCHES):
         passed = {a.name: a.value for a in read_passed_arguments(launch, real, finder) if a.rank < BESIDE}
-        if passed or own.search(_read_text(launch)):
+        if passed or own.search(read_text_or_nothing(launch, MAX_PYTHON)):
             yield launch, passed
-
-
-def _read_text(launch: Path) -> str:
-    try:
-        return read_regular(launch, MAX_PYTHON).decode("utf-8", "replace")
-    except OSError:
-        return ""

@@ -8,6 +8,7 @@ from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core import Location
+from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import PassedArgument
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
@@ -35,7 +36,7 @@ def find_written_arguments(model: Path, finder: PackageFinder) -> dict[str, Pass
     package = finder.find_package_of(model.absolute())
     if package is None:
         return found
-    name = re.compile(rf"(?<![\w.-]){re.escape(model.name)}(?![\w.-])")
+    name = compile_names((model.name,))
     for path in islice(_iter_files(package.path, finder), _MOST_FILES):
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")

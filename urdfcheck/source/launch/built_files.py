@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
-from urdfcheck.system.files import read_regular, walk
+from urdfcheck.system.files import read_text_or_nothing, walk
 
 # Limit on the patterns of one .gitignore that are read.
 MAX_PATTERNS = 1_000
@@ -23,7 +23,7 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     """
     reach = FileReach.from_paths([package], [])
     places = [package / name for name in ("CMakeLists.txt", "setup.py")]
-    builds = [_read_text(place) for place in places if reach.can_open(place)]
+    builds = [read_text_or_nothing(place) for place in places if reach.can_open(place)]
     if any(path.name in text for text in builds) or is_git_ignored(path, reach):
         return True
     makes_files = any(map(_MAKES_FILES.search, builds))
@@ -43,15 +43,8 @@ def is_git_ignored(path: Path, reach: FileReach) -> bool:
     folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
     for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
         names = split_relative_path(path, folder)
-        for line in _read_text(folder / ".gitignore").splitlines()[:MAX_PATTERNS]:
+        for line in read_text_or_nothing(folder / ".gitignore").splitlines()[:MAX_PATTERNS]:
             pattern = line.strip().removeprefix("!")
             if pattern and not pattern.startswith("#") and match_any_pattern([pattern], names):
                 ignored = not line.strip().startswith("!")
     return ignored
-
-
-def _read_text(path: Path) -> str:
-    try:
-        return read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return ""

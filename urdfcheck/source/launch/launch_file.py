@@ -27,7 +27,7 @@ from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
-from urdfcheck.system.files import read_regular
+from urdfcheck.system.files import read_text_or_nothing
 
 # Limit on the launch files that one includes.
 MAX_INCLUDES = 64
@@ -149,17 +149,9 @@ def is_included_by_sibling(path: Path) -> bool:
     try:
         reach = FileReach.from_paths([path], [])
         beside = [p for p in path.absolute().parent.iterdir() if p.name != path.name and "launch" in p.name]
-        return any(path.name in _read_text(p) for p in beside if reach.can_open(p))
+        return any(path.name in read_text_or_nothing(p) for p in beside if reach.can_open(p))
     except OSError:
         return False
-
-
-def _read_text(path: Path) -> str:
-    """Return the text of a file; empty if it cannot be read."""
-    try:
-        return read_regular(path).decode("utf-8", "replace")
-    except OSError:
-        return ""
 
 
 def _is_script(text: str) -> bool:

@@ -7,10 +7,11 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
+from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.package.finder import PackageFinder
-from urdfcheck.system.files import read_regular
+from urdfcheck.system.files import read_text_or_nothing
 
 _COMMENT = re.compile(r"<!--.*?-->|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
@@ -42,7 +43,7 @@ def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | 
 
 def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
     """Yield the launch files of the package of a file that name it, each with its text."""
-    named = re.compile(rf"(?<![\w.-]){re.escape(path.name)}(?![\w.-])")
+    named = compile_names((path.name,))
     return ((launch, text) for launch, text in _iter_package_launches(path, finder) if named.search(text))
 
 
@@ -67,7 +68,4 @@ def _iter_package_launches(path: Path, finder: PackageFinder) -> Iterator[tuple[
 
 def _read_text(launch: Path) -> str:
     """Return the text of a launch file without its comments; empty if it cannot be read."""
-    try:
-        return _COMMENT.sub("", read_regular(launch, MAX_PYTHON).decode("utf-8", "replace"))
-    except OSError:
-        return ""
+    return _COMMENT.sub("", read_text_or_nothing(launch, MAX_PYTHON))

@@ -19,7 +19,7 @@ from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.system.files import read_regular, walk
+from urdfcheck.system.files import read_text_or_nothing, walk
 
 # Files that contain paths of meshes, besides build files.
 _TEXT_SUFFIXES = frozenset({
@@ -124,7 +124,7 @@ def iter_started_packages(package: Package) -> Iterator[PackageMention]:
     """Yield the packages of the programs that a package's launch files start, without its own."""
     for path in islice(iter_package_files(package, package.path), _MOST_FILES):
         is_launch = path.name.endswith(_LAUNCH_SUFFIXES)
-        text = _read_text(path) if is_launch or path.suffix == ".py" else ""
+        text = read_text_or_nothing(path, _MAX_BYTES) if is_launch or path.suffix == ".py" else ""
         if is_launch or "def generate_launch_description" in text:
             file = SourceFile(path, format_path(path), text=text)
             for match in _STARTED.finditer(_remove_comments(text, path.suffix)):
@@ -185,7 +185,7 @@ def iter_file_texts(package: Package, folder: Path) -> Iterator[str]:
     for count, path in enumerate(iter_package_files(package, folder)):
         if count > _MOST_FILES:
             raise LookupError("too many files")
-        text = _read_text(path) if path.suffix.lower() in _TEXT_SUFFIXES else ""
+        text = read_text_or_nothing(path, _MAX_BYTES) if path.suffix.lower() in _TEXT_SUFFIXES else ""
         if folder == package.path or package.name in text:
             yield text
 
@@ -207,15 +207,8 @@ def _is_allowed(package: Package, path: Path) -> bool:
     return package.finder is None or package.finder.can_open(path)
 
 
-def _read_text(path: Path) -> str:
-    try:
-        return read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
-    except OSError:
-        return ""
-
-
 def _list_mentions(path: Path) -> tuple[PackageMention, ...]:
-    return _find_mentions(_read_text(path), path, format_path(path))
+    return _find_mentions(read_text_or_nothing(path, _MAX_BYTES), path, format_path(path))
 
 
 @text_fact

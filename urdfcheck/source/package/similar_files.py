@@ -6,7 +6,7 @@ import difflib
 import os
 import re
 import shlex
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, takewhile
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
@@ -18,7 +18,7 @@ from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.setup_py_installs import read_package_data
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.python import parse_python
-from urdfcheck.system.files import read_regular, walk
+from urdfcheck.system.files import read_regular, read_text_or_nothing, walk
 
 # Beyond this many files the search stops: a suggestion is not worth seconds.
 _MAX_FILES = 20_000
@@ -39,7 +39,7 @@ _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 _SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
 _ADDRESS = re.compile(r"(?m)^[ \t]*url[ \t]*=[ \t]*(\S.*?)[ \t\r]*$")
 # The files of vcstool, of which so many are read in a folder, and a repository in one with its address.
-_REPOSITORIES, _MOST_REPOSITORY_FILES = ".repos", 10
+_REPOSITORIES, _MOST_REPOSITORY_FILES = re.compile(r"[^.].*\.repos"), 10
 _REPOSITORY = re.compile(r"(?m)^[ \t]+([\w./-]+):[ \t]*\n(?:[ \t]+(?!url:)\w+:.*\n)*[ \t]+url:[ \t]*(\S+)")
 # A text for readers, and the address of a repository in it that they are to clone.
 _FOR_READERS = re.compile(r"(?i)(?:readme|install|installation|setup)[\w.-]*\.(?:md|rst|txt)|readme")
@@ -250,37 +250,28 @@ def list_missing_submodules(finder: PackageFinder) -> dict[str, str]:
 
 def _list_repositories(finder: PackageFinder) -> list[tuple[Path, dict[str, str]]]:
     """Return the files of vcstool around the start that list repositories to import: by the name of each its address."""
-    found: list[tuple[Path, dict[str, str]]] = []
-    for folder in finder.list_parent_folders():
-        try:
-            names = sorted(name for name in os.listdir(folder) if name.endswith(_REPOSITORIES) and name[0] != ".")
-        except OSError:
-            continue
-        for file in (folder / name for name in names[:_MOST_REPOSITORY_FILES]):
-            try:
-                text = read_regular(file, _MOST_GIT_BYTES).decode("utf-8", "replace") if finder.can_open(file) else ""
-            except OSError:
-                continue
-            found.append((file, dict(_REPOSITORY.findall(text))))
-    return found
+    return [(file, dict(_REPOSITORY.findall(text))) for file, text in _iter_texts_around(_REPOSITORIES, finder)]
 
 
 def _find_documented_clone(package: str, finder: PackageFinder) -> tuple[Path, str] | None:
     """Return a text for readers around the start that says how to clone the repository of this name, and its address."""
+    for file, text in _iter_texts_around(_FOR_READERS, finder):
+        address = next((found for found in _CLONED.findall(text) if _cut_path(found) == package), None)
+        if address is not None:
+            return file, address
+    return None
+
+
+def _iter_texts_around(names: re.Pattern[str], finder: PackageFinder) -> Iterator[tuple[Path, str]]:
+    """Yield the files of such ``names`` in the folders around the start, each with its text."""
     for folder in finder.list_parent_folders():
         try:
-            names = sorted(name for name in os.listdir(folder) if _FOR_READERS.fullmatch(name))
+            found = sorted(filter(names.fullmatch, os.listdir(folder)))
         except OSError:
             continue
-        for file in (folder / name for name in names[:_MOST_REPOSITORY_FILES]):
-            try:
-                text = read_regular(file, _MOST_GIT_BYTES).decode("utf-8", "replace") if finder.can_open(file) else ""
-            except OSError:
-                continue
-            address = next((found for found in _CLONED.findall(text) if _cut_path(found) == package), None)
-            if address is not None:
-                return file, address
-    return None
+        for file in (folder / name for name in found[:_MOST_REPOSITORY_FILES]):
+            if finder.can_open(file):
+                yield file, read_text_or_nothing(file, _MOST_GIT_BYTES)
 
 
 def _is_empty(folder: Path) -> bool:
