@@ -54,6 +54,7 @@ def only(run: Run) -> Finding:
         ('<link name="${1 +}"/>', "syntax", "`1 +` is not a valid expression"),
         ("""<link name="${ {'a': 1}['a'] }"/>""", "syntax", "is not a valid expression"),
         ('<link name="${1/0}"/>', "expression-failed", "division by zero"),
+        ("""<link name="${dict(left=1)['right']}"/>""", "expression-failed", "there is no key 'right'"),
         ("""<link name="${xacro.fatal('no such type')}"/>""", "refused", "no such type"),
         ('<link name="$(env HOME)"/>', "environment-unread", "HOME counts as not set"),
     ],

@@ -303,6 +303,8 @@ class ExpansionTrace:
                 at, message = self._find_first_repetition(str(cause)) or (at, message)
             if isinstance(cause, substitution.ArgException):
                 missing_argument = str(cause)
+            if isinstance(cause, KeyError) and message.startswith(_format_error(cause)):
+                message = f"there is no key {message}"  # Python's message is the key alone
             cause = getattr(cause, "exc", None) or cause.__cause__
         kind = "include-cycle" if message == CYCLE else "expansion-failed"
         self.report_problem(
