@@ -35,6 +35,13 @@ class FileReach:
         """Whether a file, or the target of a link of this name, may be opened."""
         return self.has_real_path(resolve_real_path(path))
 
+    def find_root_above(self, folder: Path) -> str | None:
+        """Return the real path of the innermost of the folders that a folder is in; none that holds all files of a user."""
+        real = resolve_real_path(folder)
+        roots = [root for root in self.roots if real is not None and real != root and is_below(real, root)]
+        inner = max(roots, key=len, default=None)
+        return None if inner is None or is_shared_by_all(Path(inner)) else inner
+
     def has_real_path(self, real: str | None) -> bool:
         """Whether the file of a real path may be opened; None: no file can have it."""
         return real is not None and any(is_below(real, root) for root in self.roots)

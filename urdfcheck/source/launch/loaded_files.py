@@ -35,10 +35,24 @@ def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> b
 def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
     """Return a launch file of the package of a model's file that names it and passes an argument of this name.
 
-    One that computes the name counts too: ``"arm_" + kind + ".urdf.xacro"`` may be the name of any file that ends so.
+    One that computes the name counts too: ``"arm_" + kind + ".urdf.xacro"`` may be the name of any file that ends so. So does one
+    of another package of the project that starts whichever model it is given, and passes the argument to each.
     """
     found = itertools.chain(_iter_launch_texts(path, finder), _iter_computing_texts(path, finder))
-    return next((launch for launch, _ in found if may_pass_argument(launch, name)), None)
+    own = next((launch for launch, _ in found if may_pass_argument(launch, name)), None)
+    return own or next(_iter_starting_launches(path, name, finder), None)
+
+
+def _iter_starting_launches(path: Path, name: str, finder: PackageFinder) -> Iterator[Path]:
+    """Yield the launch files of the project around a file that start a model of any name with an argument of this name."""
+    package = finder.find_package_of(path.absolute())
+    project = finder.find_project_above(path.absolute().parent if package is None else package.path)
+    if project is None or not finder.can_open(project):
+        return
+    starts = re.compile(rf"""xacro\b[^<>\n]*\s['"]?\$\(arg [^()\n]*\)['"]?\s[^<>\n]*(?<![\w.-]){re.escape(name)}:=""")
+    for launch in itertools.islice(iter_launch_files(project, finder), MOST_LAUNCHES):
+        if starts.search(_read_text(launch)):
+            yield launch
 
 
 def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:

@@ -73,7 +73,7 @@ def find_passed_arguments(
     real = os.path.realpath(model)
     package = finder.find_package_of(model.absolute())
     inner = model.absolute().parent if package is None else package.path
-    outer = next((folder for folder in inner.parents if (folder / ".git").exists()), None)
+    outer = finder.find_project_above(inner)
     folders = [folder for folder in (inner, outer) if folder is not None and finder.can_open(folder)]
     found: dict[str, PassedArgument] = {}
     visited: set[str] = set()

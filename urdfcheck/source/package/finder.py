@@ -279,6 +279,14 @@ class PackageFinder:
                 break
         return levels
 
+    def find_project_above(self, folder: Path) -> Path | None:
+        """Return the repository that a folder is in; of what is in none, such as an unpacked archive, the folder that was named."""
+        repository = next((outer for outer in folder.parents if os.path.exists(outer / ".git")), None)
+        if repository is not None or self.reach is None:
+            return repository
+        root = self.reach.find_root_above(folder)
+        return next((outer for outer in folder.parents if root is not None and os.path.realpath(outer) == root), None)
+
     def _scan_ros_paths(self) -> dict[str, Path]:
         if self._ros is None:
             self._ros = {}
