@@ -1055,6 +1055,26 @@ INERTIA = (
 )
 
 
+def test_what_a_call_without_the_prefix_would_make_through_other_macros_is_not_missing(tmp_path: Path) -> None:
+    camera = """<xacro:macro name="camera" params="frame"><link name="${frame}"/></xacro:macro>
+<xacro:macro name="zoom" params="frame:=eye"><xacro:camera frame="${frame}"/></xacro:macro>"""
+    joint = '<joint name="mount" type="fixed"><parent link="world"/><child link="eye"/></joint>'
+    codes = {"KIN002", "XAC007"}
+    lost = only(xacro(tmp_path, camera + '<link name="world"/><zoom frame="eye"/>' + joint, codes))
+    assert (lost.code, lost.data["hides"]) == ("XAC007", ["KIN002"])
+
+
+def test_an_inertial_that_a_call_without_the_prefix_would_make_is_not_missing(tmp_path: Path) -> None:
+    tensor = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    body = f'<xacro:macro name="body" params=""><inertial><mass value="1"/>{tensor}</inertial></xacro:macro>'
+    shape = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    links = f'<link name="base"><xacro:body/></link><link name="arm"><body/>{shape}</link>'
+    joint = '<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>'
+    codes = {"INR001", "XAC007"}
+    lost = only(xacro(tmp_path, body + links + joint, codes))
+    assert (lost.code, lost.data["hides"]) == ("XAC007", ["INR001"])
+
+
 @pytest.mark.parametrize(("macro", "expected"), [(INERTIA, ["XAC007"]), (WHEEL, ["XML005", "XAC007"])])
 def test_a_call_in_the_file_of_another_package_is_told_there_and_not_what_it_would_make(
     tmp_path: Path, macro: str, expected: list[str]

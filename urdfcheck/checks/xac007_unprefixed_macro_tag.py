@@ -46,7 +46,7 @@ WITHOUT_INERTIA = {
 # Rules whose findings say what a robot lacks, or measure it as a whole: without the parts of a call it is not the author's robot.
 _RULES_ABOUT_WHOLE_ROBOTS = (
     *("COL003", "CTL001", "CTL002", "CTL004", "CTL007", "DYN004", "DYN005", "DYN006", "DYN007", "GZB001", "INR015"),
-    *("INR016", "JNT009", "KIN005", "KIN010", "LCH005", "SRD001", "SRD003"),
+    *("INR016", "JNT009", "KIN002", "KIN005", "KIN010", "LCH005", "SRD001", "SRD003"),
 )
 # Tags that only give a name a value.
 _VALUE_TAGS = frozenset({"property", "arg"})
@@ -182,9 +182,18 @@ def _sort_by_weight(source: Source, elements: Sequence[Element]) -> list[Element
 
 
 def _makes_parts(source: Source, call: Element) -> bool:
-    """Whether the macro that a tag would call makes links or joints."""
-    macro = collect_macros(source.trees).get(call.tag)
-    return macro is not None and any(made.tag in {"link", "joint"} for made in macro.element.walk())
+    """Whether the macro that a tag would call makes links or joints, itself or by those that it calls."""
+    macros = collect_macros(source.trees)
+    left, visited = [call.tag], set[str]()
+    while left:
+        macro = macros.get(name := left.pop())
+        if macro is not None and name not in visited:
+            visited.add(name)
+            tags = {made.tag for made in macro.element.walk()}
+            if not tags.isdisjoint(("link", "joint")):
+                return True
+            left += [tag.removeprefix("xacro:") for tag in tags]
+    return False
 
 
 def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[str, str]:
@@ -210,7 +219,24 @@ def _list_explained(source: Source) -> list[str]:
     explained = [f"{code} {root.subject}" for code in ("KIN007", "INR001") if has_unprefixed_calls(source, root)]
     if any(_makes_parts(source, call) for call in find_unprefixed_tags(source.trees, root, only_calls=True)):
         explained += [f"{code} {WHOLE_RULE}" for code in _RULES_ABOUT_WHOLE_ROBOTS]
-    return explained + _list_joints_to(collect_uncalled_links(source.trees, root), root)
+    return [
+        *explained,
+        *_list_links_without_parts(source, root),
+        *_list_joints_to(collect_uncalled_links(source.trees, root), root),
+    ]
+
+
+def _list_links_without_parts(source: Source, root: Element) -> list[str]:
+    """Return the links in which a call is left that would make an <inertial>, as claims of what explains INR001."""
+    calls = find_unprefixed_tags(source.trees, root, only_calls=True)
+    macros = collect_macros(source.trees)
+    return [
+        f"INR001 {call.parent.subject}"
+        for call in calls
+        if call.parent is not None
+        and call.parent.tag == "link"
+        and "inertial" in {e.tag for e in macros[call.tag].element.walk()}
+    ]
 
 
 def _list_joints_to(made: set[str], root: Element) -> list[str]:
