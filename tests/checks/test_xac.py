@@ -1068,8 +1068,11 @@ def test_an_inertial_that_a_call_without_the_prefix_would_make_is_not_missing(tm
     tensor = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
     body = f'<xacro:macro name="body" params=""><inertial><mass value="1"/>{tensor}</inertial></xacro:macro>'
     shape = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
-    links = f'<link name="base"><xacro:body/></link><link name="arm"><body/>{shape}</link>'
-    joint = '<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint>'
+    links = f'<link name="torso"><xacro:body/></link><link name="arm"><body/>{shape}</link>'
+    joint = "".join(
+        f'<joint name="{child}_joint" type="continuous"><parent link="base"/><child link="{child}"/></joint>'
+        for child in ("torso", "arm")
+    )
     codes = {"INR001", "XAC007"}
     lost = only(xacro(tmp_path, body + links + joint, codes))
     assert (lost.code, lost.data["hides"]) == ("XAC007", ["INR001"])

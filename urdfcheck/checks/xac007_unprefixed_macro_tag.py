@@ -19,7 +19,6 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import (
     collect_macros,
     collect_read_arguments,
-    collect_uncalled_links,
     defines_itself,
     find_unprefixed_tags,
     iter_elements_by_tag,
@@ -219,36 +218,13 @@ def _list_explained(source: Source) -> list[str]:
     explained = [f"{code} {root.subject}" for code in ("KIN007", "INR001") if has_unprefixed_calls(source, root)]
     if any(_makes_parts(source, call) for call in find_unprefixed_tags(source.trees, root, only_calls=True)):
         explained += [f"{code} {WHOLE_RULE}" for code in _RULES_ABOUT_WHOLE_ROBOTS]
-    return [
-        *explained,
-        *_list_links_without_parts(source, root),
-        *_list_joints_to(collect_uncalled_links(source.trees, root), root),
-    ]
-
-
-def _list_links_without_parts(source: Source, root: Element) -> list[str]:
-    """Return the links in which a call is left that would make an <inertial>, as claims of what explains INR001."""
-    calls = find_unprefixed_tags(source.trees, root, only_calls=True)
     macros = collect_macros(source.trees)
-    return [
-        f"INR001 {call.parent.subject}"
-        for call in calls
-        if call.parent is not None
-        and call.parent.tag == "link"
-        and "inertial" in {e.tag for e in macros[call.tag].element.walk()}
-    ]
-
-
-def _list_joints_to(made: set[str], root: Element) -> list[str]:
-    """Return the joints of which all missing links are those that the calls would make, as claims of what explains KIN002."""
-    links = {link.get("name") for link in root.find_children("link")}
-    explained: list[str] = []
-    for joint in root.find_children("joint") if made else ():
-        ends = (joint.find_child(tag) for tag in ("parent", "child"))
-        missing = {end.get("link") for end in ends if end is not None} - links
-        if missing and missing <= made:
-            explained.append(f"KIN002 {joint.subject}")
-    return explained
+    without_inertial = {
+        call.parent.subject
+        for call in find_unprefixed_tags(source.trees, root, only_calls=True)
+        if call.parent is not None and any(made.tag == "inertial" for made in macros[call.tag].element.walk())
+    }
+    return explained + [f"INR001 {link}" for link in sorted(without_inertial)]
 
 
 def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:

@@ -225,19 +225,6 @@ def _is_builtin(element: Element) -> bool:
     return needed is not None and needed <= element.attributes.keys()
 
 
-def collect_uncalled_links(trees: Mapping[str, Element], robot: Element) -> set[str]:
-    """Return the names of the links that the calls left in the robot would make with their prefix, without computed names."""
-    macros = collect_macros(trees)
-    names: set[str] = set()
-    for call in find_unprefixed_tags(trees, robot, only_calls=True):
-        for made in macros[call.tag].element.walk():
-            if made.tag == "link":
-                parts = _PARAMETER.split(made.get("name"))
-                words = [call.get(part, f"${part}") if n % 2 else part for n, part in enumerate(parts)]
-                names.add("".join(words))
-    return {name for name in names if "$" not in name}
-
-
 def _is_call(element: Element, macro: Macro) -> bool:
     if element.parent is None or element.tag in _REQUIRED_BY_TAG:
         return False
