@@ -422,7 +422,12 @@ def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> No
 
 @pytest.mark.parametrize(
     ("declared", "owner"),
-    [('<arg name="which"/>', None), ('<arg name="which" default="arm"/>', None), ("", "car.launch")],
+    [
+        ('<arg name="which"/>', None),
+        ('<arg name="which" default="arm"/>', None),
+        ('<arg name="kind" default="wh"/><arg name="$(arg kind)ich"/>', None),
+        ("", "car.launch"),
+    ],
 )
 def test_what_a_passed_value_lacks_is_of_the_file_that_passes_it(
     tmp_path: Path, declared: str, owner: str | None

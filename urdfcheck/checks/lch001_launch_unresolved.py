@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -43,6 +43,7 @@ _XACRO = ".xacro"
 _SRDF = "SRDF"
 # What means the same whatever the arguments are.
 _OTHER = re.compile(r"\$\((?:find|find-pkg-share|dirname)\b[^()$]*\)")
+_SUBSTITUTION = re.compile(r"\$\([^()]*\)")
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
@@ -116,10 +117,16 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
         yield rule.finding("include-circle", at=at, path=name)
     else:
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(at.owner))]
-        if name not in names:  # one without a default gets its value at launch
+        if not _may_be_declared(name, names):  # one without a default gets its value at launch
             yield rule.finding(
                 "include-argument", at=at, file=at.value, argument=name, near=format_name_hint(name, names)
             )
+
+
+def _may_be_declared(name: str, declared: Iterable[str]) -> bool:
+    """Whether an argument has one of these names, of which launch files may compute a part: ``$(arg robot)_ip``."""
+    patterns = (".*".join(map(re.escape, _SUBSTITUTION.split(text))) for text in declared)
+    return any(re.fullmatch(pattern, name) for pattern in patterns)
 
 
 def _check_description(
@@ -163,7 +170,7 @@ def _check_description(
             )
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
-        if obstacle.name not in names:
+        if not _may_be_declared(obstacle.name, names):
             near = format_name_hint(obstacle.name, names)
             yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
         elif not is_included_by_sibling(

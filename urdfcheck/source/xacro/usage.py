@@ -38,7 +38,6 @@ _COMPUTED_ARGUMENT = re.compile(
     r"\$\(arg\s+((?:[^\s(){}$]|\$\{[^{}]*\})*\$\{[^{}]*\}(?:[^\s(){}$]|\$\{[^{}]*\})*)\s*\)"
 )
 _COMPUTED_PART = re.compile(r"\$\{[^{}]*\}")
-_PARAMETER = re.compile(r"\$\{\s*(\w+)\s*\}")
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
 
 
