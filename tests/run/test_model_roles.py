@@ -457,6 +457,23 @@ def test_a_condition_that_leaves_a_part_out_is_named(package: Path) -> None:
     assert not check(Path("."), all_arguments=True).unchecked_models
 
 
+def test_a_part_that_is_included_by_a_computed_name_is_of_another_variant(package: Path) -> None:
+    """It has a name as a robot has, but lacks what the model defines that includes it, for other values of the argument."""
+    part = xacro('<link name="${prefix}eye"/>', ' name="car"')
+    taken = '<xacro:arg name="kind" default="mono"/><xacro:property name="prefix" value="a_"/>'
+    model = xacro(
+        '<link name="base"/>' + taken + include("car_$(arg kind).xacro") + joint("base", "a_eye"), ' name="car"'
+    )
+    write(package, {"car.urdf.xacro": model, "car_mono.xacro": part, "car_stereo.xacro": part})
+    (finding,) = check(Path("."), codes={"XAC001", "XML002"}).findings
+    assert (finding.model, finding.message_id, finding.severity) == (
+        "car_stereo.xacro",
+        "part-of-variant",
+        Severity.INFO,
+    )
+    assert 'car.urdf.xacro includes it under `<xacro:include filename="…/car_$(arg kind).xacro">`' in finding.message
+
+
 def test_a_part_of_a_model_that_failed_is_no_second_model(package: Path) -> None:
     """The model stopped before it came to its parts; where it is accepted, they count."""
     files = {

@@ -17,7 +17,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names, find_nearest_name
 from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
-from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names
+from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names, may_compute_name
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import (
@@ -76,8 +76,8 @@ class FolderIndex:
         self.resolved: dict[tuple[str, ...], frozenset[Path]] = {}
         # The folders in which a file without a name may be a part: a file there includes whatever a variable names.
         self.open_folders: set[Path] = set()
-        includes = {self.reals[f]: self._resolve_includes(f, file.includes) for f, file in self.files.items()}
         self.mentioned: set[Path] = set()
+        includes = {self.reals[f]: self._resolve_includes(f, file.includes) for f, file in self.files.items()}
         for f, file in self.files.items():
             self.mentioned |= self._resolve_includes(f, set(file.mentions).difference(file.includes))
         self.graph = IncludeGraph({path: inner & self.by_real.keys() for path, inner in includes.items()})
@@ -115,7 +115,7 @@ class FolderIndex:
             else:
                 found = self.by_name.get(last, set()) | (set() if is_open else self._find_misspelt(base, tail))
             if is_open:
-                found |= self._match_parts((base / tail).parent, EXPRESSION.sub("*", typed_name))
+                found |= self._match_parts((base / tail).parent, typed_name)
             self.resolved[key] = frozenset(found)
         return self.resolved[key]
 
@@ -127,24 +127,35 @@ class FolderIndex:
         near = find_nearest_name(name, self._parts_by_folder.get(beside, ()))
         return set() if near is None else {beside / near}
 
-    def _match_parts(self, folder: Path, pattern: str) -> set[Path]:
+    def _match_parts(self, folder: Path, typed: str) -> set[Path]:
         """Return the files of a folder that an include with an argument in their name may mean.
 
-        What is a robot by itself is left out: it is checked even if it is included.
+        What may be a robot by itself is only mentioned: it is checked even if it is included.
         """
         real = resolve_path(folder)
-        names = self._parts_by_folder.get(real, ())
-        self.compared += len(names)
-        return set() if self.compared > MAX_COMPARED else {real / name for name in fnmatch.filter(names, pattern)}
+        names, robots = self._parts_by_folder.get(real, ()), self._robots_by_folder.get(real, ())
+        self.compared += len(names) + len(robots)
+        if self.compared > MAX_COMPARED:
+            return set()
+        self.mentioned |= {real / name for name in robots if may_compute_name(typed, name)}
+        return {real / name for name in fnmatch.filter(names, EXPRESSION.sub("*", typed))}
 
     @cached_property
     def _parts_by_folder(self) -> dict[Path, list[str]]:
         """The names of the xacro files that are not models by themselves, by their folder."""
-        parts: dict[Path, list[str]] = {}
+        return self._list_by_folder(stand_alone=False)
+
+    @cached_property
+    def _robots_by_folder(self) -> dict[Path, list[str]]:
+        """The names of the xacro files that may be models by themselves, by their folder."""
+        return self._list_by_folder(stand_alone=True)
+
+    def _list_by_folder(self, *, stand_alone: bool) -> dict[Path, list[str]]:
+        names: dict[Path, list[str]] = {}
         for real, file in self.by_real.items():
-            if is_xacro(real) and not file.stands_alone:
-                parts.setdefault(real.parent, []).append(real.name)
-        return parts
+            if is_xacro(real) and file.stands_alone == stand_alone:
+                names.setdefault(real.parent, []).append(real.name)
+        return names
 
     def _match_pattern(self, folder: Path, pattern: str) -> list[str]:
         """Return the files that a pattern means; only folders that may be opened are searched."""

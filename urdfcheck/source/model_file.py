@@ -29,6 +29,8 @@ MAX_INCLUDES = 2_000
 # Characters of a file of which is kept what its tree decides.
 _LONGEST_KEPT = 100_000
 EXPRESSION = re.compile(r"\$[({][^)}$]*[)}]")
+# What is typed of a computed name besides its ending, as in `arm_*.urdf.xacro`: `*.xacro` alone means any file.
+_TYPED = re.compile(r"\w(?=.*\*)|(?<=\*)\w")
 _INCLUDE = re.compile(r"""<xacro:include\s[^<>]*?filename\s*=\s*["']([^"']+)["']""")
 _LINK = re.compile(r"""<link\s[^<>]*?name\s*=\s*["']([^"']*)["']""")
 _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?link\s*=\s*["']([^"']*)["']""")
@@ -223,6 +225,13 @@ def names_file(text: str, inside: str, package: str) -> bool:
         if owner == package and match[4] + name == inside:
             return True
     return False
+
+
+def may_compute_name(typed: str, name: str) -> bool:
+    """Whether the path of an include, as typed, computes a part of the file's name and may mean the file of this name."""
+    last = typed.rpartition("/")[2]
+    pattern = EXPRESSION.sub("*", last)
+    return pattern != last and _TYPED.search(pattern) is not None and fnmatch.fnmatchcase(name, pattern)
 
 
 def _parse(source: SourceFile | None) -> Element | None:

@@ -16,7 +16,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.model_file import names_file
+from urdfcheck.source.model_file import may_compute_name, names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import iter_package_texts, read_package_texts
 from urdfcheck.source.project_folders import find_project_folder
@@ -161,23 +161,30 @@ def read_includers(source: Source) -> dict[str, str]:
 
 
 def find_conditional_include(source: Source) -> tuple[Path, str] | None:
-    """Find a file of the model's package that includes the model's own file under a condition, which is returned as typed."""
+    """Find a file of the model's package that includes the model's own file under a condition, which is returned as typed.
+
+    The condition is an ``<xacro:if>`` around the include, or what the include computes of the file's name.
+    """
     if source.package is None:
         return None
-    ending = re.compile(rf"(?:^|/){re.escape(source.path.name)}$")
+    name = source.path.name
+    ending = re.compile(rf"(?:^|/){re.escape(name)}$")
     for path in _iter_caller_files(source.package.path, deep=True):
         if path.suffix.lower() not in _INCLUDED_SUFFIXES or not source.finder.can_open(path):
             continue
         try:
             file = SourceFile.read(path, format_path(path))
-            root = parse_xml(file) if source.path.name in file.text and "<xacro:" in file.text else None
+            root = parse_xml(file) if "<xacro:include" in file.text and path != source.path else None
         except (OSError, XmlError):
             continue
         for include in iter_elements_by_tag({} if root is None else {file.name: root}, "xacro:include"):
+            typed = include.get("filename")
+            if may_compute_name(typed, name):
+                return path, f'<xacro:include filename="…/{typed.rpartition("/")[2]}">'
             around = include.parent
             while around is not None and around.tag not in {"xacro:if", "xacro:unless"}:
                 around = around.parent
-            if around is not None and ending.search(include.get("filename")):
+            if around is not None and ending.search(typed):
                 return path, f'<{around.tag} value="{around.get("value")}">'
     return None
 
