@@ -1490,6 +1490,7 @@ def test_a_file_that_is_not_installed_is_named(tmp_path: Path, build: str, told:
     [
         ('package_dir={"": "src"}, package_data={"p": ["meshes/*.stl"]}', {"python-data", "folder"}),
         ('package_dir={"p": "src/p"}, package_data={"": ["meshes/**/*.stl"]}', {"python-data", "folder"}),
+        ('package_dir={"": "src"}, package_data={"p": list_below("src/p")}', {"python-data", "folder"}),
         ('package_dir={"": "src"}, package_data={"p": ["*.stl"]}', {"folder"}),
         ('package_dir={"": "src"}, package_data={"other": ["meshes/*.stl"]}', {"folder"}),
         ('package_dir={"": "lib"}, package_data={"p": ["meshes/*.stl"]}', {"folder"}),
