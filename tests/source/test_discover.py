@@ -191,13 +191,23 @@ def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str
     assert not [target for target in both if target.is_test_data and target.path.name == "r.urdf"]
 
 
-@pytest.mark.parametrize(("files", "is_aside"), [({}, True), ({"p/launch/a.launch.py": "'urdf/old/r.urdf'"}, False)])
+@pytest.mark.parametrize(
+    ("place", "files", "is_aside"),
+    [
+        ("urdf/old/r.urdf", {}, True),
+        ("urdf/old/r.urdf", {"p/launch/a.launch.py": "'urdf/old/r.urdf'"}, False),
+        ("LEGACY_URDF/r.urdf", {}, True),
+        ("urdf/q_ori.urdf", {}, True),
+        ("urdf/q_ori.urdf", {"p/launch/a.launch.py": "'urdf/q_ori.urdf'"}, False),
+        ("urdf/other_ori.urdf", {}, False),
+    ],
+)
 def test_a_model_that_is_kept_and_not_used_is_like_test_data(
-    workspace: Path, files: dict[str, str], is_aside: bool
+    workspace: Path, place: str, files: dict[str, str], is_aside: bool
 ) -> None:
-    write(workspace, {"p/package.xml": manifest("p"), "p/urdf/old/r.urdf": URDF, "p/urdf/q.urdf": URDF, **files})
+    write(workspace, {"p/package.xml": manifest("p"), f"p/{place}": URDF, "p/urdf/q.urdf": URDF, **files})
     found = {target.path.as_posix(): target.is_test_data for target in planned(".").models}
-    assert found == {"p/urdf/old/r.urdf": is_aside, "p/urdf/q.urdf": False}
+    assert found == {f"p/{place}": is_aside, "p/urdf/q.urdf": False}
 
 
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:

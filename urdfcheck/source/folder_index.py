@@ -21,9 +21,9 @@ from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names, 
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import (
-    ASIDE_FOLDERS,
     BUILD_FOLDERS,
     IGNORE_MARKS,
+    is_aside_folder,
     iter_package_texts,
     read_package_texts,
 )
@@ -34,8 +34,10 @@ from urdfcheck.system.git import list_ignored
 # checked as a model.
 MAX_COMPARED = 500_000
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
-# Folders with the data of tests, and with files that are kept and not used, by their names in lower case.
-_TEST_FOLDERS = ASIDE_FOLDERS | {"benchmark", "benchmarks", "fixtures", "test", "test_data", "testdata", "tests"}
+# Folders with the data of tests, by their names in lower case.
+_TEST_FOLDERS = frozenset({"benchmark", "benchmarks", "fixtures", "test", "test_data", "testdata", "tests"})
+# What is added to the name of a file that is kept as it was, beside the one that is used.
+_KEPT_COPY = re.compile(r"(?<=\w)[._-](?:backup|bak|copy|old|ori|orig|original)(?=\.)", re.IGNORECASE)
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 
@@ -219,14 +221,21 @@ class FolderIndex:
         return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
 
     def is_test_data(self, path: Path) -> bool:
-        """Whether a file is in a folder of tests, or of files that are kept and not used, below this one, and no file outside
-        such folders includes it or names it."""
-        return self._is_in_tests(path) and path.name not in self._names_outside_tests
+        """Whether a file is in a folder of tests, or of files that are kept and not used, below this one, or is an old copy of
+        one beside it, and no file outside such folders includes it or names it."""
+        is_aside = self._is_in_tests(path) or self._is_kept_copy(path)
+        return is_aside and path.name not in self._names_outside_tests
+
+    def _is_kept_copy(self, path: Path) -> bool:
+        """Whether a name says that the file is an old copy of a model beside it: ``arm_ori.urdf`` of ``arm.urdf``."""
+        first = _KEPT_COPY.sub("", path.name, count=1)
+        return first != path.name and path.with_name(first) in self.files
 
     def _is_in_tests(self, path: Path) -> bool:
         inside = path.relative_to(self.path).parts[:-1]
         return any(
-            name.lower() in _TEST_FOLDERS and not self._is_package_of_name(self.path.joinpath(*inside[:level], name))
+            (name.lower() in _TEST_FOLDERS or is_aside_folder(name))
+            and not self._is_package_of_name(self.path.joinpath(*inside[:level], name))
             for level, name in enumerate(inside)
         )
 

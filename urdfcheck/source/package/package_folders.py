@@ -17,7 +17,9 @@ from urdfcheck.system.files import read_regular, record_reads, remember_large_fo
 MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Folders of files that are kept and not used.
-ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "deprecated", "not_used", "old", "unused"})
+_ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
+# One of these words makes a longer name that of such a folder: `legacy_launch`.
+_ASIDE_WORDS = frozenset({"deprecated", "legacy", "obsolete", "unused"})
 # Files that tell colcon and catkin to leave out a folder with all below it.
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
@@ -41,7 +43,12 @@ def is_kept_aside(file: Path, package: Path) -> bool:
     """Whether a file of a package is in a folder of files that are kept and not used."""
     file, package = Path(os.path.abspath(file)), package.absolute()
     folders = file.relative_to(package).parts[:-1] if file.is_relative_to(package) else ()
-    return not ASIDE_FOLDERS.isdisjoint(folder.lower() for folder in folders)
+    return any(map(is_aside_folder, folders))
+
+
+def is_aside_folder(name: str) -> bool:
+    """Whether a folder of this name holds files that are kept and not used."""
+    return name.lower() in _ASIDE_FOLDERS or not _ASIDE_WORDS.isdisjoint(re.split(r"[\W_]", name.lower()))
 
 
 def walk_packages(

@@ -89,7 +89,9 @@ def read_package_data(tree: ast.Module, package: str) -> PythonPackageData | Non
     data, folders = (table if isinstance(table, dict) else {} for table in (reader.package_data, reader.package_dir))
     listed = [data[name] for name in (package, "") if name in data]
     # A list that the file computes is not known: whatever is in the folder may be in it.
-    patterns = [p if isinstance(p, str) else f"{_ALL_BELOW}/*" for v in listed for p in (v if isinstance(v, list) else [v])]
+    patterns = [
+        p if isinstance(p, str) else f"{_ALL_BELOW}/*" for v in listed for p in (v if isinstance(v, list) else [v])
+    ]
     above = folders.get("", "")
     folder = folders.get(package, posixpath.join(above, package) if isinstance(above, str) else None)
     source = normalize_source(folder) if isinstance(folder, str) else None
