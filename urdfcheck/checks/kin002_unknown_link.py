@@ -20,6 +20,8 @@ from urdfcheck.source.xacro.usage import iter_elements_by_tag
 _ADDING = 'add `<link name="{called}"/>`, or {naming}'
 # Beside a root, the link alone would be a second one.
 _CARRYING = '{naming}, or add `<link name="{called}"/>` and the joint that carries it'
+# Another file may have been meant to complete this one, as an upper body does a lower one.
+_COMPLETING = "if {file}, which has {called}, completes this one, include both from one robot; otherwise "
 _ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
 # Where no other file names the link, its robot is not known: it may be of another repository, or be put together by a program.
 _LEFT_OVER = (
@@ -136,9 +138,12 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         alone = _CARRYING if has_root and not is_child else _ADDING
         # To hang a robot without a root on one of its own links would close a loop.
         hangs = is_part or (not has_root and not is_child)
-        template = _choose_attachment(model, called) if hangs else alone
-        file, naming = Path(model.source.name).name, _describe_naming(attributes[0])
-        data["repair"] = template.format(called=data["called"], file=file, naming=naming)
+        if hangs:
+            file, template = Path(model.source.name).name, _choose_attachment(model, called)
+        else:
+            file, template = _find_completing_file(model, called), alone
+            template = _COMPLETING + template if file else template
+        data["repair"] = template.format(called=data["called"], file=file, naming=_describe_naming(attributes[0]))
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
         is_scrap = is_part and "name" not in model.robot.attributes
         # With one it may be a robot, if anything starts it.
@@ -172,6 +177,14 @@ def _choose_attachment(model: Model, called: str) -> str:
     from urdfcheck.model.likeness.whole_models import is_named_elsewhere  # loaded only for such a file
 
     return _ATTACHING if is_named_elsewhere(model, called) else _LEFT_OVER
+
+
+def _find_completing_file(model: Model, called: str) -> str:
+    """Return the name of another robot file with a link of this name; empty if there is none."""
+    from urdfcheck.model.likeness.whole_models import find_defining_file  # loaded only for such a file
+
+    found = find_defining_file(model, called)
+    return "" if found is None else format_path(found)
 
 
 def _describe_places(places: list[tuple[Joint, Attribute]]) -> str:

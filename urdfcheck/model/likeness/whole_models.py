@@ -24,6 +24,7 @@ _ROBOT = re.compile(r"""<robot\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')"
 _ROBOT_FOLDERS = frozenset({"urdf", "xacro", "robots"})
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?\blink\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+_LINK_NAME = re.compile(r"""<link\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 _LINK = re.compile(r"<link[\s>/]")
 _DEFINED_COLOUR = re.compile(
     r"""<material\s+name\s*=\s*["']([^"'<>$]+)["']\s*>\s*<color\s+rgba\s*=\s*["']([^"'<>$]*)["']"""
@@ -64,6 +65,19 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
         if f'"{link}"' in text or f"'{link}'" in text:
             return True
     return False
+
+
+def find_defining_file(model: Model, link: str) -> Path | None:
+    """Return another robot file of the repository that spells out a link of this name and none of the model's own, or None."""
+    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
+        try:
+            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+        except OSError:
+            continue
+        spelled = {a or b for a, b in _LINK_NAME.findall(_COMMENT.sub("", text))} if link in text else set()
+        if link in spelled and spelled.isdisjoint(model.link_by_name):
+            return path
+    return None
 
 
 def find_joints_elsewhere(source: Source) -> Path | None:
