@@ -1707,3 +1707,20 @@ def test_an_argument_is_missing_where_the_model_is_started(
     assert finding.severity is severity
     assert finding.fix is not None
     assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing
+
+
+@pytest.mark.parametrize(("passed", "is_passed"), [("side:=$(env SIDE)", True), ("size:=$(env SIDE)", False)])
+def test_a_launch_file_that_starts_any_model_passes_the_argument_to_each(
+    tmp_path: Path, passed: str, is_passed: bool
+) -> None:
+    command = f"xacro '$(arg model)' {passed}"
+    files = {
+        ".git/HEAD": "",
+        "car/package.xml": "<package><name>car</name></package>",
+        "car/urdf/car.urdf.xacro": HEAD + '<link name="$(arg side)"/></robot>',
+        "start/package.xml": "<package><name>start</name></package>",
+        "start/launch/any.launch": '<launch><arg name="model"/>'
+        f'<param name="robot_description" command="{command}"/></launch>',
+    }
+    finding = only(check(write(tmp_path, files) / "car/urdf/car.urdf.xacro", codes={"XAC010"}))
+    assert (finding.severity is Severity.WARNING) == is_passed

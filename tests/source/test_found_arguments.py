@@ -13,6 +13,7 @@ from urdfcheck.output.json import render as render_json
 from urdfcheck.source.arguments.written_commands import find_written_arguments
 from urdfcheck.source.launch.passed_arguments import find_passed_arguments
 from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.reach import FileReach
 
 ARM = """<robot name="$(arg name)" xmlns:xacro="http://www.ros.org/wiki/xacro">
   <xacro:arg name="name" default="arm"/>
@@ -160,6 +161,17 @@ def generate_launch_description():
         bringup.parent.mkdir(parents=True)
         bringup.write_text(COMMAND)
         assert list_found(model)["name"][0] == "ur"
+
+    def test_another_package_of_the_folder_that_was_named(self, tmp_path: Path) -> None:
+        """An archive of a repository, as it is unpacked, has no folder .git: what was named is the whole of it."""
+        model = make_package(tmp_path, {})
+        bringup = tmp_path / "bringup/launch/view.launch.py"
+        bringup.parent.mkdir(parents=True)
+        bringup.write_text(COMMAND)
+        finders = (PackageFinder(model, reach=FileReach.from_paths([given], [])) for given in (model, tmp_path / "arm"))
+        assert not any(find_passed_arguments(model, finder) for finder in finders)
+        finder = PackageFinder(model, reach=FileReach((str(tmp_path),)))
+        assert find_passed_arguments(model, finder)["name"].value == "ur"
 
     @pytest.mark.parametrize(
         "file",
