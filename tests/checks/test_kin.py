@@ -817,3 +817,11 @@ def test_a_link_that_all_launch_files_make_lacks_in_the_defaults_only(
     assert finding.message_id == expected
     if expected == "default":
         assert "give frame the default `true`" in finding.fix.title
+
+
+def test_a_part_on_the_world_is_not_called_the_root(tmp_path: Path) -> None:
+    body = link("world") + link("base") + joint("weld", "world", "base") + link("arm", inertial(1, 1))
+    (finding,) = check_text(
+        tmp_path, robot(body + joint("j", "base", "arm", kind="continuous")), codes={"KIN010"}
+    ).findings
+    assert finding.headline == "Gazebo gets an empty model: on world, base has no mass"

@@ -347,6 +347,8 @@ class TestNAM005:
     ) -> None:
         findings = find(tmp_path, robot(self.robot(*self.USUAL, pair)), "NAM005")
         assert [f.subjects for f in findings] == ([(f"link[{pair[0]}]", f"link[{pair[1]}]")] if wrong else [])
+        repair = "swap the names if the places are right, else the y of the origins of their joints"
+        assert [f.fix.title for f in findings if f.fix] == [repair] * wrong
 
     def test_a_base_that_is_turned_round_is_no_finding(self, tmp_path: Path) -> None:
         pairs = [(left, right, -y) for left, right, y in self.USUAL]

@@ -791,9 +791,19 @@ def test_another_robot_of_the_package_is_no_copy(tmp_path: Path) -> None:
             " (p has a file of this name: a.xacro)",
             "write `$(find p)/a.xacro` if that is the one, or correct the path",
         ),
-        ("$(find p)/robots/a.xacro", ["x/a.xacro", "y/a.xacro"], ", nor does its folder", "correct the path"),
-        ("$(find p)/a.xacro", [], "", "correct the path"),
-        ("a.xacro", [], "", "correct the path; a relative path starts at the folder of the file that contains it"),
+        (
+            "$(find p)/robots/a.xacro",
+            ["x/a.xacro", "y/a.xacro"],
+            ", nor does its folder",
+            "correct the path, or add the file",
+        ),
+        ("$(find p)/a.xacro", [], "", "correct the path, or add the file"),
+        (
+            "a.xacro",
+            [],
+            "",
+            "correct the path, or add the file; a relative path starts at the folder of the file that contains it",
+        ),
         ("robots/r.urdf.xacro", [], ", nor does its folder", None),  # not the file itself
     ],
 )
@@ -1552,7 +1562,10 @@ def test_a_file_that_includes_without_the_prefix_may_lack_it_in_more_places(tmp_
 
 @pytest.mark.parametrize(
     ("home", "repair"),
-    [("other", "correct the path, or use a release of q that has the file"), ("own", "correct the path")],
+    [
+        ("other", "correct the path, or use a release of q that has the file"),
+        ("own", "correct the path, or add the file"),
+    ],
 )
 def test_a_file_that_a_package_from_elsewhere_lacks_may_be_in_another_release(
     tmp_path: Path, home: str, repair: str
@@ -1684,3 +1697,30 @@ def test_an_argument_is_missing_where_the_model_is_started(
     assert finding.severity is severity
     assert finding.fix is not None
     assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing
+
+
+@pytest.mark.parametrize(
+    ("tag", "repair"),
+    [
+        ("if", "write `SIM_CORE` if that is meant, delete the condition and what is in it if it is left over, or"),
+        ("", "write `SIM_CORE`, or"),
+    ],
+)
+def test_a_condition_on_a_name_like_another_may_be_left_over(tmp_path: Path, tag: str, repair: str) -> None:
+    use = '<xacro:if value="${SIM_COR}"><link name="a"/></xacro:if>' if tag else '<link name="${SIM_COR}"/>'
+    finding = only(xacro(tmp_path, f'<xacro:property name="SIM_CORE" value="1"/>{use}', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize("defining", [True, False])
+def test_the_only_file_beside_is_named_where_it_may_be_meant(tmp_path: Path, defining: bool) -> None:
+    """Of two files, one of which defines another macro than the missing one, neither is known to be meant."""
+    other = f'{HEAD}<xacro:macro name="other" params="name"/></robot>'
+    files = {
+        "r.urdf.xacro": f'{HEAD}<xacro:include filename="parts/importable.xacro"/><xacro:arm name="b"/></robot>',
+        "parts/zz.xacro": f'{HEAD}<link name="c"/></robot>',
+        **({"parts/qq.xacro": other} if defining else {}),
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="r.urdf.xacro")
+    assert finding.data["hint"] == ("" if defining else " (the only other .xacro file there is 'zz.xacro')")

@@ -79,7 +79,9 @@ def _describe_repair(model: Model, odd: list[_LimbPair]) -> str:
         return f"swap the children of the joints {pairs}, whose names say on which side they are"
     # Of limbs that are named otherwise, or not at all, only the names farther out are in question.
     are_limbs = all(side.named == (side.left.child, side.right.child) for side in odd)
-    return "swap the names" + (", or the signs of y in the origins of their joints" if are_limbs else "")
+    return "swap the names" + (
+        " if the places are right, else the y of the origins of their joints" if are_limbs else ""
+    )
 
 
 def _is_driven(model: Model, pair: _LimbPair) -> bool:

@@ -79,6 +79,8 @@ _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
 _PATH_REPAIR = "correct the path"
+_CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
+_BUILT_IN_NAMES = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
 _FILE_NAME_REPAIR = (
     "give the file name a default that exists, or read the file only when a name is given (`<xacro:if>`)"
 )
@@ -199,13 +201,21 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
         macro = _find_macro_around(failure)
         define += f", or add it to the params of macro {macro}" if macro else ""
-        repair = f"write `{near}`, or {define}" if near else define
+        repair = _describe_near_name(failure, near, define) if near else define
         if defining:
             why = f"; {' and '.join(defining)} of the package {'define' if len(defining) > 1 else 'defines'} it"
             repair = _describe_include(failure.source, defining, define)
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options, defining=defining
     )
+
+
+def _describe_near_name(failure: _ExpansionFailure, near: str, define: str) -> str:
+    """Say what to do with a name that resembles a defined one: a condition that the file has under that name may be left over."""
+    element = _find_failing_element(failure)
+    if element is None or element.tag not in _CONDITIONS or near in _BUILT_IN_NAMES.values():
+        return f"write `{near}`, or {define}"
+    return f"write `{near}` if that is meant, delete the condition and what is in it if it is left over, or {define}"
 
 
 def _is_guard(failure: _ExpansionFailure, definitions: Sequence[Attribute]) -> bool:
@@ -253,8 +263,7 @@ def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared:
 
 def _find_built_in_name(name: str) -> str | None:
     """Return the built-in name of xacro that differs only in case: ``True`` for ``true``, ``pi`` for ``PI``."""
-    built_in = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
-    return built_in.get(name.lower())
+    return _BUILT_IN_NAMES.get(name.lower())
 
 
 def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -325,7 +334,7 @@ def _defines_in_part(source: Source, name: str, macro: str) -> bool:
 
 def _is_in_part(definition: Element) -> bool:
     outer = definition.parent
-    while outer is not None and outer.tag not in {"xacro:if", "xacro:unless", "xacro:macro"}:
+    while outer is not None and outer.tag not in {*_CONDITIONS, "xacro:macro"}:
         outer = outer.parent
     return outer is not None
 
@@ -478,7 +487,7 @@ def _explain_undefined_block(failure: _ExpansionFailure, match: re.Match[str]) -
         else f'define the block before it: `<xacro:property name="{name}">…`'
     )
     repair = _describe_leftover_block(failure, name) or f"delete the line if it is left over; else {define}"
-    repair = repair if near is None else f"write `{near}`"
+    repair = repair if near is None else f"write `{near}` if that is meant; else {repair}"
     return _build_report(failure, "undefined-block", name=name, hint=format_name_hint(name, known), repair=repair)
 
 
@@ -524,7 +533,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     elsewhere = find_uninstalled_file(path, package, files)
     read = set(map(os.path.abspath, failure.source.files))
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
-    correction = f"{_PATH_REPAIR}; {_RELATIVE_HINT}" if _is_relative(failure) else _PATH_REPAIR
+    correction = f"{_PATH_REPAIR}, or add the file" + (f"; {_RELATIVE_HINT}" if _is_relative(failure) else "")
     root = failure.source.finder.find_repository()
     if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
         correction = f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
@@ -625,6 +634,7 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
     included = {e.get("filename").rpartition("/")[2] for e in iter_elements_by_tag(source.trees, "xacro:include")}
     included |= {Path(name).name for name in source.trees}
     unknown = unknown.difference(*(defined.get(name, ()) for name in included))
+    others = [name for name in beside if path.suffix and Path(name).suffix == path.suffix]
     beside = [name for name in beside if name not in included]
     defined = {name: macros for name, macros in defined.items() if name not in included}
     defining = [name for name in sorted(defined) if defined[name] & unknown]
@@ -633,8 +643,9 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
         return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
     if near and (near in defining or not unknown or not defined.get(near)):
         return f" (did you mean {near!r}?)"
-    alike = [name for name in beside if Path(name).suffix == path.suffix and not defined.get(name)]
-    return f" (the only other {path.suffix} file there is {alike[0]!r})" if path.suffix and len(alike) == 1 else ""
+    # One beside that only defines other macros than those that are missing is none of the two.
+    is_meant = len(others) == 1 and others[0] in beside and not defined.get(others[0])
+    return f" (the only other {path.suffix} file there is {others[0]!r})" if is_meant else ""
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:

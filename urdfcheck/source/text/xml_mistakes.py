@@ -73,9 +73,7 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
         if before.endswith("<!--") and opener > before.rfind("-->"):
             line = text.count("\n", 0, opener) + 1
             message = f"a comment begins inside the comment of line {line}"
-            repair = (
-                f"end the comment of line {line} before this `<!--`, or delete this `<!--` and the first `-->` after it"
-            )
+            repair = f"end the comment of line {line} before this `<!--`{_describe_whole_comment(text, at)}"
             # Behind the root element, tinyxml2 takes what is left of the comment for another one.
             is_after_root = bool(opened) and f"</{opened[0][0]}" in before[:opener]
             return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root)
@@ -104,6 +102,25 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
             "delete everything before the first `<`",
         )
     return _describe_tag(text, at)
+
+
+def _describe_whole_comment(text: str, at: int) -> str:
+    """Say how all that follows becomes one comment, where a ``-->`` is left over that closes no comment of its own.
+
+    ``at``: where the inner comment has begun, which the next ``-->`` ends.
+    """
+    end = begin = text.find("-->", at)
+    count = 0
+    while end >= 0:
+        count += 1
+        begin, end = text.find("<!--", end + 3), text.find("-->", end + 3)
+        if end >= 0 and (begin < 0 or end < begin):
+            line = text.count("\n", 0, end) + 1
+            if count == 1:
+                return f", or, if all up to line {line} is to be left out, delete this `<!--` and the first `-->` after it"
+            return f", or, if all up to the last `-->` of line {line} is to be left out, delete each `<!--` and `-->` in between"
+        end = text.find("-->", begin) if begin >= 0 else -1
+    return ""
 
 
 def _describe_ampersand(entity: re.Match[str]) -> XmlMistake:
