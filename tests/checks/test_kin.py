@@ -113,7 +113,10 @@ def test_drake_needs_no_link_for_its_world_body(tmp_path: Path, parent: str, dra
     ("joints", "repair"),
     [
         (("a shin",), "rename one of them, or delete it if it is a copy"),
-        (("a shin", "b shin"), "rename one of them, and the child of the joint that holds it: j0 or j1"),
+        (
+            ("a shin", "b shin"),
+            "rename one of them, and the child of the joint that holds it: j0 or j1; a copy, delete with its joint",
+        ),
     ],
 )
 def test_another_name_for_a_link_is_written_in_its_joint_too(
@@ -825,3 +828,21 @@ def test_a_part_on_the_world_is_not_called_the_root(tmp_path: Path) -> None:
         tmp_path, robot(body + joint("j", "base", "arm", kind="continuous")), codes={"KIN010"}
     ).findings
     assert finding.headline == "Gazebo gets an empty model: on world, base has no mass"
+
+
+@pytest.mark.parametrize(("axis", "says"), [("0 1 0", True), ("1 0 0", False)])
+def test_two_motions_between_two_links_need_a_link_in_between(tmp_path: Path, axis: str, says: bool) -> None:
+    body = link("base") + link("table")
+    for name, direction in (("x", "1 0 0"), ("y", axis)):
+        body += joint(name, "base", "table", f'<axis xyz="{direction}"/>', kind="continuous")
+    (finding,) = check_text(tmp_path, robot(body), codes={"KIN003"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("put a link between one joint and the next") == says
+
+
+def test_misspelt_limits_may_be_deleted_where_none_is_needed(tmp_path: Path) -> None:
+    for kind, says in (("continuous", True), ("revolute", False)):
+        text = robot(link("a") + link("b") + joint("j", "a", "b", '<limits effort="1" velocity="1"/>', kind=kind))
+        (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.endswith("; delete it if the robot moves as it should") == says

@@ -378,8 +378,11 @@ class TestNAM005:
     @pytest.mark.parametrize(
         ("names", "repair"),
         [
-            (("cap_right", "cap_left"), "swap the children of the joints cap_right and cap_left,"),
-            (("a", "b"), "swap the names"),
+            (
+                ("cap_right", "cap_left"),
+                "swap the names of the links; if each is drawn for the other side, swap the children of the joints cap_right",
+            ),
+            (("a", "b"), "swap the names if the places are right"),
         ],
     )
     def test_joints_that_say_their_side_have_swapped_children(

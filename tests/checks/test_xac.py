@@ -1724,3 +1724,22 @@ def test_the_only_file_beside_is_named_where_it_may_be_meant(tmp_path: Path, def
     }
     (finding,) = find(tmp_path, files, "XAC001", name="r.urdf.xacro")
     assert finding.data["hint"] == ("" if defining else " (the only other .xacro file there is 'zz.xacro')")
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+def test_the_file_that_a_default_names_may_be_in_another_folder(tmp_path: Path, copies: int) -> None:
+    use = """<xacro:arg name="start" default="start.yaml"/><link name="${xacro.load_yaml('$(arg start)')['a']}"/></robot>"""
+    files = {"package.xml": "<package><name>p</name></package>", "urdf/r.urdf.xacro": HEAD + use}
+    files |= {f"c{number}/start.yaml": "a: b" for number in range(copies)}
+    (finding,) = find(tmp_path, files, "XAC001", name="urdf/r.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(": `$(find p)/c0/start.yaml`, if that is the one") == (copies == 1)
+
+
+def test_the_arguments_may_be_those_of_another_start(tmp_path: Path) -> None:
+    text = """<xacro:arg name="side" default=""/><link name="${dict(left=1)['$(arg side)']}"/>"""
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(
+        "; if arguments give them, first pass those with which the robot is started (`--arg`)"
+    )

@@ -71,12 +71,13 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
 
 
 def _describe_repair(model: Model, odd: list[_LimbPair]) -> str:
-    """Say what to swap: where the names of the joints agree with the places, only the children of the joints are wrong."""
+    """Say what to swap: where the names of the joints agree with the places, only their children are wrong."""
     parents = model.tree.parent_joint
     holders = [(parents[side.named[0]].name, parents[side.named[1]].name) for side in odd]
     if all(left in _generate_right_names(right) for left, right in holders):
         pairs = join_names(f"{left} and {right}" for left, right in holders)
-        return f"swap the children of the joints {pairs}, whose names say on which side they are"
+        named = "swap the names of the links" if len(odd) == 1 else "swap the names of the links of each pair"
+        return f"{named}; if each is drawn for the other side, swap the children of the joints {pairs} instead"
     # Of limbs that are named otherwise, or not at all, only the names farther out are in question.
     are_limbs = all(side.named == (side.left.child, side.right.child) for side in odd)
     return "swap the names" + (

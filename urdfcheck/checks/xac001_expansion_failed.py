@@ -160,7 +160,9 @@ def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
     if failure.expression.startswith("xacro.fatal("):
         return _build_report_at_expression(failure, "refused", reason=reason)
     if failure.expression:
-        return _build_report_at_expression(failure, "expression-failed", reason=reason)
+        return _build_report_at_expression(
+            failure, "expression-failed", reason=reason, given=_describe_arguments(failure)
+        )
     launch = _OF_LAUNCH_FILES.search(reason)
     repair = f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`" if launch else "correct what the message names"
     return _build_report(failure, "failed", reason=reason, repair=repair)
@@ -666,6 +668,8 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         else list_full_names(source, path)
     )
     options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
+    is_whole = len(told) == 1 and not choices and Path(told[0].value).name == path.name
+    near, there = _describe_only_namesake(source, path) if is_whole else ("", "")
     return _build_report(
         failure,
         "argument-leads-nowhere" if guilty else "argument-empty",
@@ -676,9 +680,25 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         given=" and ".join(map(str, told)),
         lead="leads" if len(told) == 1 else "lead",
         noun="argument" if len(told) == 1 else "arguments",
-        choices=format_choices(choices),
+        choices=near or format_choices(choices),
+        there=there,
         options=options,
         remedy=options,
+    )
+
+
+def _describe_only_namesake(source: Source, path: Path) -> tuple[str, str]:
+    """Return what to say of the one file of the package that is called so, and the end of a repair; nothing where it has none,
+    or several."""
+    package = source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
+    named = [] if package is None else index_files([package.path]).get(path.name.lower(), [])
+    found = [file for file in named if file.name == path.name]
+    if package is None or len(found) != 1:
+        return "", ""
+    place = found[0].relative_to(package.path).as_posix()
+    return (
+        f" ({package.name} has a file of this name: {place})",
+        f": `$(find {package.name})/{place}`, if that is the one",
     )
 
 
@@ -710,12 +730,23 @@ def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) 
     return _build_report(failure, "file-name-empty", at=origin, extra=extra, **data)
 
 
+def _has_arguments(failure: _ExpansionFailure) -> bool:
+    return any(True for _ in iter_elements_by_tag(failure.source.trees, "xacro:arg"))
+
+
+def _describe_arguments(failure: _ExpansionFailure) -> str:
+    """Say that other arguments may be what is missing: the defaults of a file need not be those with which it is started."""
+    return (
+        "; if arguments give them, first pass those with which the robot is started (`--arg`)"
+        if _has_arguments(failure)
+        else ""
+    )
+
+
 def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     # An argument may choose the file, and another one what is read of it.
-    has_arguments = any(True for _ in iter_elements_by_tag(failure.source.trees, "xacro:arg"))
-    repair = "correct the key, or add it to the yaml file" + (
-        "; if arguments choose the file, first give those that go together (`--arg`)" if has_arguments else ""
-    )
+    chosen = "; if arguments choose the file, first give those that go together (`--arg`)"
+    repair = "correct the key, or add it to the yaml file" + (chosen if _has_arguments(failure) else "")
     return _build_report_at_expression(failure, "key-missing", key=match.group(1), repair=repair)
 
 

@@ -158,6 +158,14 @@ def _describe_renaming(parent: str, near: str, places: list[Element], model: Mod
         repair += ", and delete it in the fixed joints"
     if near == "dynamics" and not wrong:
         repair += f"; programs then use {_list_values(wanted)}. Delete it if the robot moves as it should"
+    # The robot may be right with the default; without a limit, these types are refused.
+    if (
+        is_of_moving
+        and near != "dynamics"
+        and not repeated
+        and not (near == "limit" and any(map(_needs_limit, wanted)))
+    ):
+        repair += "; delete it if the robot moves as it should"
     edits = () if repeated or wrong else build_rename_edits(wanted, near, model.source.files)
     return repair, tuple(edits)
 
@@ -231,6 +239,11 @@ def _holds_texts(element: Element) -> bool:
 
 def _is_in_fixed_joint(element: Element) -> bool:
     return element.parent is not None and element.parent.tag == "joint" and element.parent.get("type") == "fixed"
+
+
+def _needs_limit(element: Element) -> bool:
+    """Whether an element is in a joint of a type that urdfdom refuses without a limit."""
+    return element.parent is not None and element.parent.get("type") in {"revolute", "prismatic"}
 
 
 def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
