@@ -1743,3 +1743,17 @@ def test_the_arguments_may_be_those_of_another_start(tmp_path: Path) -> None:
     assert finding.fix.title.endswith(
         "; if arguments give them, first pass those with which the robot is started (`--arg`)"
     )
+
+
+@pytest.mark.parametrize(
+    ("before", "repair"),
+    [
+        ('<xacro:arg name="part" default="b"/>', "write `$(arg part)`"),
+        ('<xacro:property name="part" value="b"/>', "write `${part}`"),
+        ("", "write the text that is meant, or `${part}` and define part before it"),
+    ],
+)
+def test_a_name_alone_is_no_substitution(tmp_path: Path, before: str, repair: str) -> None:
+    finding = only(xacro(tmp_path, f'{before}<link name="$(part)"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == repair

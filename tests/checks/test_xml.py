@@ -1164,6 +1164,10 @@ class TestXML011:
         (finding,) = findings(tmp_path, text, "XML011")
         assert len(finding.subjects) == 2
         assert "did you mean 'light_grey'?" in finding.message
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(
+            "write `light_grey` if that is meant; else define it as a child of <robot>: "
+        )
 
     def test_a_texture_that_is_there(self, tmp_path: Path) -> None:
         text = LINK.format(

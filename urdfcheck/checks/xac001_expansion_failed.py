@@ -74,6 +74,7 @@ _COMMENTED_MACRO = re.compile(
 )
 # What launch files of ROS 2 write in place of xacro's own substitutions.
 _OF_LAUNCH_FILES = re.compile(r"Unknown substitution command \[(find-pkg-share|var) +([^\s\]]+)\]")
+_ALONE = re.compile(r"Unknown substitution command \[([A-Za-z_]\w*)\]")
 _OWN_WORDS = {"find-pkg-share": "find", "var": "arg"}
 _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
@@ -163,9 +164,26 @@ def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
         return _build_report_at_expression(
             failure, "expression-failed", reason=reason, given=_describe_arguments(failure)
         )
-    launch = _OF_LAUNCH_FILES.search(reason)
-    repair = f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`" if launch else "correct what the message names"
-    return _build_report(failure, "failed", reason=reason, repair=repair)
+    return _build_report(failure, "failed", reason=reason, repair=_describe_substitution(failure.source, reason))
+
+
+def _describe_substitution(source: Source, reason: str) -> str:
+    """Say what to write for a ``$(…)`` that xacro does not know: one of launch files, or a name alone."""
+    launch, alone = _OF_LAUNCH_FILES.search(reason), _ALONE.search(reason)
+    if launch is not None:
+        return f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`"
+    if alone is None:
+        return "correct what the message names"
+    name = alone[1]
+    if name in {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}:
+        return f"write `$(arg {name})`"
+    macros = collect_macros(source.trees).values()
+    is_known = name in collect_properties(source.trees) or any(name in macro.parameters for macro in macros)
+    return (
+        f"write `${{{name}}}`"
+        if is_known
+        else f"write the text that is meant, or `${{{name}}}` and define {name} before it"
+    )
 
 
 def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
