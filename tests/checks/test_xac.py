@@ -1757,3 +1757,17 @@ def test_a_name_alone_is_no_substitution(tmp_path: Path, before: str, repair: st
     finding = only(xacro(tmp_path, f'{before}<link name="$(part)"/>', {"XAC001"}))
     assert finding.fix is not None
     assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize("package", ["camera", "p"])
+def test_a_macro_may_be_in_another_version_of_the_package_with_its_file(tmp_path: Path, package: str) -> None:
+    files = {
+        "p/package.xml": "<package><name>p</name></package>",
+        "camera/package.xml": "<package><name>camera</name></package>",
+        f"{package}/eye.urdf.xacro": f"{HEAD}<link name='eye'/></robot>",
+        "p/r.urdf.xacro": f'{HEAD}<xacro:include filename="$(find {package})/eye.urdf.xacro"/><xacro:eye/></robot>',
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="p/r.urdf.xacro")
+    assert finding.fix is not None
+    start = "use a release or fork of camera whose eye.urdf.xacro defines the macro, or delete the call"
+    assert finding.fix.title.startswith(start) == (package == "camera")

@@ -302,6 +302,11 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     repair = "include the file that defines the macro before this line, or delete the call if it is left over"
     if near:
         repair = "correct the name, or include the file that defines the macro before this line"
+    elif not defining and (namesake := _find_read_namesake(failure.source, name)) is not None:
+        file, package = namesake
+        repair = (
+            f"use a release or fork of {package} whose {file} defines the macro, or delete the call if it is left over"
+        )
     if defining and all(_defines_in_part(failure.source, file, name) for file in defining):
         where = "under a condition, or in another macro"
         repair = f"define the macro before this line ({' and '.join(defining)} may: it is there {where}), or correct the name"
@@ -319,6 +324,19 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         repair=repair,
         defining=defining,
     )
+
+
+def _find_read_namesake(source: Source, macro: str) -> tuple[str, str] | None:
+    """Return the file of another package that is called like a macro and was read, and that package: there it may be defined in
+    another version."""
+    own = source.finder.find_package_of(source.path.absolute())
+    for file in source.files.values():
+        if file.path.name.partition(".")[0].removesuffix("_macro").lower() != macro.lower():
+            continue
+        package = source.finder.find_package_of(file.path.absolute())
+        if package is not None and own is not None and package.path != own.path:
+            return file.path.name, package.name
+    return None
 
 
 def _explain_conditional_macro(
