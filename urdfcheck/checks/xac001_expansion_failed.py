@@ -724,7 +724,7 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
 
 
 def _describe_only_namesake(source: Source, path: Path) -> tuple[str, str]:
-    """Return what to say of the one file of the package that is called so, and the end of a repair; nothing where it has none,
+    """Return what to say about the one file of the package that is called so, and the end of a repair; nothing where it has none,
     or several."""
     package = source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     named = [] if package is None else index_files([package.path]).get(path.name.lower(), [])

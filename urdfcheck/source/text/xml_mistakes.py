@@ -107,7 +107,7 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
 
 
 def _describe_whole_comment(text: str, at: int) -> str:
-    """Say how all that follows becomes one comment, where a ``-->`` is left over that closes no comment of its own.
+    """Say how all that follows becomes one comment, where a ``-->`` is left over that closes nothing.
 
     ``at``: where the inner comment has begun, which the next ``-->`` ends.
     """
