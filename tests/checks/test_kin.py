@@ -846,3 +846,21 @@ def test_misspelt_limits_may_be_deleted_where_none_is_needed(tmp_path: Path) -> 
         (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
         assert finding.fix is not None
         assert finding.fix.title.endswith("; delete it if the robot moves as it should") == says
+
+
+@pytest.mark.parametrize(
+    ("script", "severity"),
+    [
+        ("model = pinocchio.buildModelFromUrdf('data/r.urdf')", Severity.INFO),
+        ("spawn('data/r.urdf')  # in gazebo_ros", Severity.WARNING),
+        ("model = pinocchio.buildModelFromUrdf('data/other.urdf')", Severity.WARNING),
+    ],
+)
+def test_a_model_of_no_package_is_for_the_programs_that_name_it(
+    tmp_path: Path, script: str, severity: Severity
+) -> None:
+    for name, text in ((".git/HEAD", ""), ("src/run.py", script), ("data/r.urdf", moving("base", ""))):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (finding,) = check(tmp_path / "data/r.urdf", codes={"KIN010"}).findings
+    assert finding.severity is severity
