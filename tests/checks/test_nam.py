@@ -375,6 +375,24 @@ class TestNAM005:
         )
         assert bool(find(tmp_path, robot(body), "NAM005")) is found
 
+    def test_names_that_a_macro_types_are_not_swapped_for_one_call(self, tmp_path: Path) -> None:
+        frame = '<link name="${at}_%s"/>' + joint(
+            "${at}_%s", "${at}", "${at}_%s", '<origin xyz="0 ${%s * m} 0"/>', kind="fixed"
+        )
+        frames = frame % ("left", "left", "left", "0.1") + frame % ("right", "right", "right", "-0.1")
+        feet = "".join(
+            f'<link name="foot_{side}"/>'
+            + make_joint(f"f_{side}", "base_link", f"foot_{side}", f'xyz="0 {y} 0"', "continuous")
+            + f'<xacro:corners at="foot_{side}" m="{m}"/>'
+            for side, y, m in (("left", 0.2, 1), ("right", -0.2, -1))
+        )
+        text = robot(
+            f'<xacro:macro name="corners" params="at m">{frames}</xacro:macro>{links("base_link")}{feet}'
+        ).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', 1)
+        (finding,) = check_text(tmp_path, text, "r.urdf.xacro", codes={"NAM005"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.startswith("the same macro names other pairs right: give it a parameter")
+
     @pytest.mark.parametrize(
         ("names", "repair"),
         [

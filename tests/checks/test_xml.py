@@ -1562,7 +1562,7 @@ def test_of_two_inertials_neither_is_called_wrong(tmp_path: Path) -> None:
     [
         (
             "<gravity>9.8</gravity>",
-            'move it into `<gazebo reference="a">…</gazebo>` at the end of the robot, or delete it',
+            "delete it: that is so without it",
         ),
         (
             "<collision><surface><contact><ode><kp>3e4</kp></ode></contact></surface></collision>",

@@ -65,14 +65,21 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
             count=len(usual),
             consequences=_MOVING if any(_is_driven(model, side) for side in odd) else None,
             more="" if len(odd) == 1 else f" (likewise {join_names(side.named[0] for side in odd[1:])})",
-            repair=_describe_repair(model, odd),
+            repair=_describe_repair(model, odd, usual),
         )
         yield replace(finding, subjects=tuple(f"link[{joint.child}]" for joint in joints))
 
 
-def _describe_repair(model: Model, odd: list[_LimbPair]) -> str:
+def _describe_repair(model: Model, odd: list[_LimbPair], usual: list[_LimbPair]) -> str:
     """Say what to swap: where the names of the joints agree with the places, only their children are wrong."""
     parents = model.tree.parent_joint
+    right_places = {parents[name].element.span for side in usual for name in side.named}
+    if any(parents[name].element.span in right_places for side in odd for name in side.named):
+        # To swap what a macro types would swap the others too.
+        return (
+            "the same macro names other pairs right: give it a parameter for the sides of its names if the places are right, "
+            "else correct what this call passes"
+        )
     holders = [(parents[side.named[0]].name, parents[side.named[1]].name) for side in odd]
     if all(left in _generate_right_names(right) for left, right in holders):
         pairs = join_names(f"{left} and {right}" for left, right in holders)

@@ -71,6 +71,8 @@ _SDF_OF_MODELS = {
     "plugin": "move it into a `<gazebo>` without reference, or delete it; the plugin of a sensor belongs inside its <sensor>",
     "static": "move it into a `<gazebo>` without reference: it is about the whole model; delete it if that is to move",
 }
+# Those that are true or false: one that holds its default says nothing.
+_SWITCHES = frozenset({"gravity", "kinematic", "self_collide", "selfCollide", "turnGravityOff", "enable_wind"})
 # The texts of SDF that are nearly all defaults, besides that of gravity.
 _DEFAULT_TEXTS = frozenset({"", "0", "false"})
 _GRAVITY_TEXTS = frozenset({"", "1", "true"})
@@ -542,6 +544,8 @@ def _describe_sdf_repair(parent: str, places: list[Element], model: Model) -> st
         return _describe_pose_repair(parent, places)
     if child.tag in _SDF_OF_MODELS:
         return _SDF_OF_MODELS[child.tag]
+    if child.tag in _SWITCHES and all(map(_holds_sdf_defaults, places)):
+        return "delete it: that is so without it"
     around = parent if parent == "visual" else "collision"
     name, where, others = _describe_block_place(places)
     # In the block, sdformat writes a <gravity> of its own before this one, which then does not count.
