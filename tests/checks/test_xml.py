@@ -1576,3 +1576,19 @@ def test_sdf_is_not_moved_where_it_would_say_something_else(tmp_path: Path, insi
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
     assert (finding.severity is Severity.INFO) == ("gravity" in inside)
+
+
+@pytest.mark.parametrize(
+    ("folder", "severity"), [("LEGACY_LAUNCHERS", Severity.WARNING), ("horizon_legacy", Severity.ERROR)]
+)
+def test_a_broken_launch_file_that_is_kept_aside_starts_nothing(
+    tmp_path: Path, folder: str, severity: Severity
+) -> None:
+    for name, text in (
+        ("package.xml", "<package><name>p</name></package>"),
+        (f"{folder}/a.launch", "<launch><b></launch>"),
+    ):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (finding,) = check(tmp_path / folder / "a.launch", codes={"XML001"}).findings
+    assert finding.severity is severity

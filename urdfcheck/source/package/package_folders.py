@@ -17,7 +17,9 @@ from urdfcheck.system.files import read_regular, record_reads, remember_large_fo
 MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Folders of files that are kept and not used.
-ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "deprecated", "not_used", "old", "unused"})
+ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "deprecated", "legacy", "not_used", "obsolete", "old", "unused"})
+# How their names begin where they say more: `LEGACY_LAUNCHERS`, `unused files`.
+_ASIDE = re.compile(r"(?:archived?|backups?|deprecated|legacy|not_used|obsolete|unused)[ _-]", re.IGNORECASE)
 # Files that tell colcon and catkin to leave out a folder with all below it.
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
@@ -41,7 +43,7 @@ def is_kept_aside(file: Path, package: Path) -> bool:
     """Whether a file of a package is in a folder of files that are kept and not used."""
     file, package = Path(os.path.abspath(file)), package.absolute()
     folders = file.relative_to(package).parts[:-1] if file.is_relative_to(package) else ()
-    return not ASIDE_FOLDERS.isdisjoint(folder.lower() for folder in folders)
+    return any(folder.lower() in ASIDE_FOLDERS or _ASIDE.match(folder) for folder in folders)
 
 
 def walk_packages(
