@@ -119,7 +119,10 @@ def test_drake_needs_no_link_for_its_world_body(tmp_path: Path, parent: str, dra
     ("joints", "repair"),
     [
         (("a shin",), "rename one of them, or delete it if it is a copy"),
-        (("a shin", "b shin"), "rename one of them, and the child of the joint that holds it: j0 or j1"),
+        (
+            ("a shin", "b shin"),
+            "rename one of them, and the child of the joint that holds it: j0 or j1; a copy, delete with its joint",
+        ),
     ],
 )
 def test_another_name_for_a_link_is_written_in_its_joint_too(
@@ -823,3 +826,47 @@ def test_a_link_that_all_launch_files_make_lacks_in_the_defaults_only(
     assert finding.message_id == expected
     if expected == "default":
         assert "give frame the default `true`" in finding.fix.title
+
+
+def test_a_part_on_the_world_is_not_called_the_root(tmp_path: Path) -> None:
+    body = link("world") + link("base") + joint("weld", "world", "base") + link("arm", inertial(1, 1))
+    (finding,) = check_text(
+        tmp_path, robot(body + joint("j", "base", "arm", kind="continuous")), codes={"KIN010"}
+    ).findings
+    assert finding.headline == "Gazebo gets an empty model: on world, base has no mass"
+
+
+@pytest.mark.parametrize(("axis", "says"), [("0 1 0", True), ("1 0 0", False)])
+def test_two_motions_between_two_links_need_a_link_in_between(tmp_path: Path, axis: str, says: bool) -> None:
+    body = link("base") + link("table")
+    for name, direction in (("x", "1 0 0"), ("y", axis)):
+        body += joint(name, "base", "table", f'<axis xyz="{direction}"/>', kind="continuous")
+    (finding,) = check_text(tmp_path, robot(body), codes={"KIN003"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("put a link between one joint and the next") == says
+
+
+def test_misspelt_limits_may_be_deleted_where_none_is_needed(tmp_path: Path) -> None:
+    for kind, says in (("continuous", True), ("revolute", False)):
+        text = robot(link("a") + link("b") + joint("j", "a", "b", '<limits effort="1" velocity="1"/>', kind=kind))
+        (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.endswith("; delete it if the robot moves as it should") == says
+
+
+@pytest.mark.parametrize(
+    ("script", "severity"),
+    [
+        ("model = pinocchio.buildModelFromUrdf('data/r.urdf')", Severity.INFO),
+        ("spawn('data/r.urdf')  # in gazebo_ros", Severity.WARNING),
+        ("model = pinocchio.buildModelFromUrdf('data/other.urdf')", Severity.WARNING),
+    ],
+)
+def test_a_model_of_no_package_is_for_the_programs_that_name_it(
+    tmp_path: Path, script: str, severity: Severity
+) -> None:
+    for name, text in ((".git/HEAD", ""), ("src/run.py", script), ("data/r.urdf", moving("base", ""))):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (finding,) = check(tmp_path / "data/r.urdf", codes={"KIN010"}).findings
+    assert finding.severity is severity

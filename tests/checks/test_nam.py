@@ -347,6 +347,8 @@ class TestNAM005:
     ) -> None:
         findings = find(tmp_path, robot(self.robot(*self.USUAL, pair)), "NAM005")
         assert [f.subjects for f in findings] == ([(f"link[{pair[0]}]", f"link[{pair[1]}]")] if wrong else [])
+        repair = "swap the names if the places are right, else the y of the origins of their joints"
+        assert [f.fix.title for f in findings if f.fix] == [repair] * wrong
 
     def test_a_base_that_is_turned_round_is_no_finding(self, tmp_path: Path) -> None:
         pairs = [(left, right, -y) for left, right, y in self.USUAL]
@@ -373,11 +375,32 @@ class TestNAM005:
         )
         assert bool(find(tmp_path, robot(body), "NAM005")) is found
 
+    def test_names_that_a_macro_types_are_not_swapped_for_one_call(self, tmp_path: Path) -> None:
+        frame = '<link name="${at}_%s"/>' + joint(
+            "${at}_%s", "${at}", "${at}_%s", '<origin xyz="0 ${%s * m} 0"/>', kind="fixed"
+        )
+        frames = frame % ("left", "left", "left", "0.1") + frame % ("right", "right", "right", "-0.1")
+        feet = "".join(
+            f'<link name="foot_{side}"/>'
+            + make_joint(f"f_{side}", "base_link", f"foot_{side}", f'xyz="0 {y} 0"', "continuous")
+            + f'<xacro:corners at="foot_{side}" m="{m}"/>'
+            for side, y, m in (("left", 0.2, 1), ("right", -0.2, -1))
+        )
+        text = robot(
+            f'<xacro:macro name="corners" params="at m">{frames}</xacro:macro>{links("base_link")}{feet}'
+        ).replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ', 1)
+        (finding,) = check_text(tmp_path, text, "r.urdf.xacro", codes={"NAM005"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title.startswith("the same macro names other pairs right: give it a parameter")
+
     @pytest.mark.parametrize(
         ("names", "repair"),
         [
-            (("cap_right", "cap_left"), "swap the children of the joints cap_right and cap_left,"),
-            (("a", "b"), "swap the names"),
+            (
+                ("cap_right", "cap_left"),
+                "swap the names of the links; if each is drawn for the other side, swap the children of the joints cap_right",
+            ),
+            (("a", "b"), "swap the names if the places are right"),
         ],
     )
     def test_joints_that_say_their_side_have_swapped_children(

@@ -791,9 +791,19 @@ def test_another_robot_of_the_package_is_no_copy(tmp_path: Path) -> None:
             " (p has a file of this name: a.xacro)",
             "write `$(find p)/a.xacro` if that is the one, or correct the path",
         ),
-        ("$(find p)/robots/a.xacro", ["x/a.xacro", "y/a.xacro"], ", nor does its folder", "correct the path"),
-        ("$(find p)/a.xacro", [], "", "correct the path"),
-        ("a.xacro", [], "", "correct the path; a relative path starts at the folder of the file that contains it"),
+        (
+            "$(find p)/robots/a.xacro",
+            ["x/a.xacro", "y/a.xacro"],
+            ", nor does its folder",
+            "correct the path, or add the file",
+        ),
+        ("$(find p)/a.xacro", [], "", "correct the path, or add the file"),
+        (
+            "a.xacro",
+            [],
+            "",
+            "correct the path, or add the file; a relative path starts at the folder of the file that contains it",
+        ),
         ("robots/r.urdf.xacro", [], ", nor does its folder", None),  # not the file itself
     ],
 )
@@ -1575,7 +1585,10 @@ def test_a_file_that_includes_without_the_prefix_may_lack_it_in_more_places(tmp_
 
 @pytest.mark.parametrize(
     ("home", "repair"),
-    [("other", "correct the path, or use a release of q that has the file"), ("own", "correct the path")],
+    [
+        ("other", "correct the path, or use a release of q that has the file"),
+        ("own", "correct the path, or add the file"),
+    ],
 )
 def test_a_file_that_a_package_from_elsewhere_lacks_may_be_in_another_release(
     tmp_path: Path, home: str, repair: str
@@ -1724,3 +1737,77 @@ def test_a_launch_file_that_starts_any_model_passes_the_argument_to_each(
     }
     finding = only(check(write(tmp_path, files) / "car/urdf/car.urdf.xacro", codes={"XAC010"}))
     assert (finding.severity is Severity.WARNING) == is_passed
+
+
+@pytest.mark.parametrize(
+    ("tag", "repair"),
+    [
+        ("if", "write `SIM_CORE` if that is meant, delete the condition and what is in it if it is left over, or"),
+        ("", "write `SIM_CORE`, or"),
+    ],
+)
+def test_a_condition_on_a_name_like_another_may_be_left_over(tmp_path: Path, tag: str, repair: str) -> None:
+    use = '<xacro:if value="${SIM_COR}"><link name="a"/></xacro:if>' if tag else '<link name="${SIM_COR}"/>'
+    finding = only(xacro(tmp_path, f'<xacro:property name="SIM_CORE" value="1"/>{use}', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize("defining", [True, False])
+def test_the_only_file_beside_is_named_where_it_may_be_meant(tmp_path: Path, defining: bool) -> None:
+    """Of two files, one of which defines another macro than the missing one, neither is known to be meant."""
+    other = f'{HEAD}<xacro:macro name="other" params="name"/></robot>'
+    files = {
+        "r.urdf.xacro": f'{HEAD}<xacro:include filename="parts/importable.xacro"/><xacro:arm name="b"/></robot>',
+        "parts/zz.xacro": f'{HEAD}<link name="c"/></robot>',
+        **({"parts/qq.xacro": other} if defining else {}),
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="r.urdf.xacro")
+    assert finding.data["hint"] == ("" if defining else " (the only other .xacro file there is 'zz.xacro')")
+
+
+@pytest.mark.parametrize("copies", [1, 2])
+def test_the_file_that_a_default_names_may_be_in_another_folder(tmp_path: Path, copies: int) -> None:
+    use = """<xacro:arg name="start" default="start.yaml"/><link name="${xacro.load_yaml('$(arg start)')['a']}"/></robot>"""
+    files = {"package.xml": "<package><name>p</name></package>", "urdf/r.urdf.xacro": HEAD + use}
+    files |= {f"c{number}/start.yaml": "a: b" for number in range(copies)}
+    (finding,) = find(tmp_path, files, "XAC001", name="urdf/r.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(": `$(find p)/c0/start.yaml`, if that is the one") == (copies == 1)
+
+
+def test_the_arguments_may_be_those_of_another_start(tmp_path: Path) -> None:
+    text = """<xacro:arg name="side" default=""/><link name="${dict(left=1)['$(arg side)']}"/>"""
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(
+        "; if arguments give them, first pass those with which the robot is started (`--arg`)"
+    )
+
+
+@pytest.mark.parametrize(
+    ("before", "repair"),
+    [
+        ('<xacro:arg name="part" default="b"/>', "write `$(arg part)`"),
+        ('<xacro:property name="part" value="b"/>', "write `${part}`"),
+        ("", "write the text that is meant, or `${part}` and define part before it"),
+    ],
+)
+def test_a_name_alone_is_no_substitution(tmp_path: Path, before: str, repair: str) -> None:
+    finding = only(xacro(tmp_path, f'{before}<link name="$(part)"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize("package", ["camera", "p"])
+def test_a_macro_may_be_in_another_version_of_the_package_with_its_file(tmp_path: Path, package: str) -> None:
+    files = {
+        "p/package.xml": "<package><name>p</name></package>",
+        "camera/package.xml": "<package><name>camera</name></package>",
+        f"{package}/eye.urdf.xacro": f"{HEAD}<link name='eye'/></robot>",
+        "p/r.urdf.xacro": f'{HEAD}<xacro:include filename="$(find {package})/eye.urdf.xacro"/><xacro:eye/></robot>',
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="p/r.urdf.xacro")
+    assert finding.fix is not None
+    start = "use a release or fork of camera whose eye.urdf.xacro defines the macro, or delete the call"
+    assert finding.fix.title.startswith(start) == (package == "camera")

@@ -230,6 +230,27 @@ class TestXML009:
         )
 
 
+@pytest.mark.parametrize(
+    ("comment", "rest"),
+    [
+        ("<!-- a <!-- b -->", ""),
+        ("<!-- a <!-- b --> <!-- c -->", ""),
+        ("<!-- a <!-- b --> c -->", ", or, if all up to line 2 is to be left out, delete this `<!--` and the first"),
+        (
+            "<!-- a <!-- b --> <!-- c --> -->",
+            ", or, if all up to the last `-->` of line 2 is to be left out, delete each `<!--` and `-->` in between",
+        ),
+    ],
+)
+def test_a_comment_in_a_comment_ends_it_unless_an_end_is_left_over(tmp_path: Path, comment: str, rest: str) -> None:
+    text = f'<robot name="r">\n{comment}<link name="a"/></robot>'
+    (finding,) = findings(tmp_path, text, "XML001")
+    assert finding.fix is not None
+    start = "end the comment of line 2 before this `<!--`"
+    assert finding.fix.title.startswith(start + rest)
+    assert bool(rest) == (finding.fix.title != start)
+
+
 class TestXML002:
     def test_included_file_needs_no_name(self, tmp_path: Path) -> None:
         ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
@@ -1143,6 +1164,10 @@ class TestXML011:
         (finding,) = findings(tmp_path, text, "XML011")
         assert len(finding.subjects) == 2
         assert "did you mean 'light_grey'?" in finding.message
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(
+            "write `light_grey` if that is meant; else define it as a child of <robot>: "
+        )
 
     def test_a_texture_that_is_there(self, tmp_path: Path) -> None:
         text = LINK.format(
@@ -1373,7 +1398,7 @@ def test_the_block_for_sdf_in_a_macro_names_the_link_as_it_is_typed(tmp_path: Pa
     (finding,) = check_text(tmp_path, text, name="r.urdf.xacro", codes={"XML003"}).findings
     assert finding.fix is not None
     block = '`<gazebo reference="${side}_knee"><collision>…</collision></gazebo>` after the link'
-    assert finding.fix.title == f"move it into {block}"
+    assert finding.fix.title == f"move it into {block}, or delete it"
 
 
 @pytest.mark.parametrize(
@@ -1530,3 +1555,40 @@ def test_of_two_inertials_neither_is_called_wrong(tmp_path: Path) -> None:
     assert finding.fix is not None
     assert "wrong" not in finding.fix.title
     assert "all of them" in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("inside", "repair"),
+    [
+        (
+            "<gravity>9.8</gravity>",
+            "delete it: that is so without it",
+        ),
+        (
+            "<collision><surface><contact><ode><kp>3e4</kp></ode></contact></surface></collision>",
+            'delete it: `<gazebo reference="a">` has its own <surface>, which Gazebo uses; correct the numbers there if these',
+        ),
+    ],
+)
+def test_sdf_is_not_moved_where_it_would_say_something_else(tmp_path: Path, inside: str, repair: str) -> None:
+    block = '<gazebo reference="a"><collision><surface><friction><ode><mu>1</mu></ode></friction></surface></collision></gazebo>'
+    (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inside}</link>{block}</robot>', "XML003")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert (finding.severity is Severity.INFO) == ("gravity" in inside)
+
+
+@pytest.mark.parametrize(
+    ("folder", "severity"), [("LEGACY_LAUNCHERS", Severity.WARNING), ("horizon_legacy", Severity.ERROR)]
+)
+def test_a_broken_launch_file_that_is_kept_aside_starts_nothing(
+    tmp_path: Path, folder: str, severity: Severity
+) -> None:
+    for name, text in (
+        ("package.xml", "<package><name>p</name></package>"),
+        (f"{folder}/a.launch", "<launch><b></launch>"),
+    ):
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    (finding,) = check(tmp_path / folder / "a.launch", codes={"XML001"}).findings
+    assert finding.severity is severity

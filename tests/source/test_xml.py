@@ -293,6 +293,8 @@ def test_nesting_ends_at_a_limit() -> None:
         ("<robot a=“1”/>", "the value of the attribute a has typographic quotes", 1, 10),
         ("<robot a/>", "the attribute a has no value", 1, 8),
         ('<robot a="1"b="2"/>', "no blank between two attributes", 1, 13),
+        ('<robot a="é"s b="2"/>', "an attribute value is followed by `s`", 1, 13),
+        ('<robot a="é c b="2"/>', "the value of the attribute a lacks its closing quote", 1, 10),
         ('<robot a="1""/>', "followed by an extra quote", 1, 13),
         ('<robot a="1" a="2"/>', "the attribute a occurs twice in one tag", 1, 14),
         ("<robot>é\x01</robot>", "the character U+0001 is not allowed in XML", 1, 9),

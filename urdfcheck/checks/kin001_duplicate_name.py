@@ -88,9 +88,9 @@ def _describe_renaming(first: Link | Joint, second: Link | Joint, held: Sequence
     if len(held) > 1 and len(set(held)) == 1:
         return f"delete one with its joint {held[0]} if it is a copy, or rename both"
     if len(held) > 1:
-        return f"rename one of them, and the child of the joint that holds it: {' or '.join(held[:2])}" + (
-            "" if len(held) == 2 else f" or {len(held) - 2} more"
-        )
+        more = "" if len(held) == 2 else f" or {len(held) - 2} more"
+        which = f"{' or '.join(held[:2])}{more}"
+        return f"rename one of them, and the child of the joint that holds it: {which}; a copy, delete with its joint"
     return "rename one of them, or delete it if it is a copy"
 
 

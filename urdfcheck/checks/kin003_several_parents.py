@@ -37,8 +37,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 parent=counted[0].parent,
                 parents=[j.parent for j in counted],
                 roots=join_names(roots),
-                repair=_describe_way_to_one_root(graph, counted, roots),
+                repair=_describe_motions(counted) if is_same_pair else _describe_way_to_one_root(graph, counted, roots),
             )
+
+
+def _describe_motions(joints: Sequence[Joint]) -> str:
+    """Say what to do with joints between the same two links: those that move along or about other axes may all be meant."""
+    motions = {(joint.type, joint.axis) for joint in joints if joint.is_movable}
+    if len(motions) < 2:
+        return "delete all of these joints but one"
+    return "delete all of these joints but one; if several motions are meant, put a link between one joint and the next"
 
 
 def _describe_way_to_one_root(graph: KinematicGraph, joints: Sequence[Joint], roots: Sequence[str]) -> str:

@@ -49,6 +49,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         "tiny" if root_mass > 0.0 else "vanishes",
         at=links[0],
         link=head,
+        # Below a link called world each part is converted by itself.
+        role="root" if head == root else f"on {root},",
         own=root_mass,
         lack=_describe_lack_of_mass(links[0]),
         with_it=f" (with {join_names(link.name for link in links[1:])}, fixed to it)" if len(links) > 1 else "",

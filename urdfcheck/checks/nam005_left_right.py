@@ -65,21 +65,31 @@ def check(model: Model, rule: Rule, *, least: int, apart: float) -> Iterator[Fin
             count=len(usual),
             consequences=_MOVING if any(_is_driven(model, side) for side in odd) else None,
             more="" if len(odd) == 1 else f" (likewise {join_names(side.named[0] for side in odd[1:])})",
-            repair=_describe_repair(model, odd),
+            repair=_describe_repair(model, odd, usual),
         )
         yield replace(finding, subjects=tuple(f"link[{joint.child}]" for joint in joints))
 
 
-def _describe_repair(model: Model, odd: list[_LimbPair]) -> str:
-    """Say what to swap: where the names of the joints agree with the places, only the children of the joints are wrong."""
+def _describe_repair(model: Model, odd: list[_LimbPair], usual: list[_LimbPair]) -> str:
+    """Say what to swap: where the names of the joints agree with the places, only their children are wrong."""
     parents = model.tree.parent_joint
+    right_places = {parents[name].element.span for side in usual for name in side.named}
+    if any(parents[name].element.span in right_places for side in odd for name in side.named):
+        # To swap what a macro types would swap the others too.
+        return (
+            "the same macro names other pairs right: give it a parameter for the sides of its names if the places are right, "
+            "else correct what this call passes"
+        )
     holders = [(parents[side.named[0]].name, parents[side.named[1]].name) for side in odd]
     if all(left in _generate_right_names(right) for left, right in holders):
         pairs = join_names(f"{left} and {right}" for left, right in holders)
-        return f"swap the children of the joints {pairs}, whose names say on which side they are"
+        named = "swap the names of the links" if len(odd) == 1 else "swap the names of the links of each pair"
+        return f"{named}; if each is drawn for the other side, swap the children of the joints {pairs} instead"
     # Of limbs that are named otherwise, or not at all, only the names farther out are in question.
     are_limbs = all(side.named == (side.left.child, side.right.child) for side in odd)
-    return "swap the names" + (", or the signs of y in the origins of their joints" if are_limbs else "")
+    return "swap the names" + (
+        " if the places are right, else the y of the origins of their joints" if are_limbs else ""
+    )
 
 
 def _is_driven(model: Model, pair: _LimbPair) -> bool:

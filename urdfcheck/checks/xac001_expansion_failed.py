@@ -74,11 +74,14 @@ _COMMENTED_MACRO = re.compile(
 )
 # What launch files of ROS 2 write in place of xacro's own substitutions.
 _OF_LAUNCH_FILES = re.compile(r"Unknown substitution command \[(find-pkg-share|var) +([^\s\]]+)\]")
+_ALONE = re.compile(r"Unknown substitution command \[([A-Za-z_]\w*)\]")
 _OWN_WORDS = {"find-pkg-share": "find", "var": "arg"}
 _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
 _PATH_REPAIR = "correct the path"
+_CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
+_BUILT_IN_NAMES = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
 _FILE_NAME_REPAIR = (
     "give the file name a default that exists, or read the file only when a name is given (`<xacro:if>`)"
 )
@@ -158,10 +161,29 @@ def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
     if failure.expression.startswith("xacro.fatal("):
         return _build_report_at_expression(failure, "refused", reason=reason)
     if failure.expression:
-        return _build_report_at_expression(failure, "expression-failed", reason=reason)
-    launch = _OF_LAUNCH_FILES.search(reason)
-    repair = f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`" if launch else "correct what the message names"
-    return _build_report(failure, "failed", reason=reason, repair=repair)
+        return _build_report_at_expression(
+            failure, "expression-failed", reason=reason, given=_describe_arguments(failure)
+        )
+    return _build_report(failure, "failed", reason=reason, repair=_describe_substitution(failure.source, reason))
+
+
+def _describe_substitution(source: Source, reason: str) -> str:
+    """Say what to write for a ``$(…)`` that xacro does not know: one of launch files, or a name alone."""
+    launch, alone = _OF_LAUNCH_FILES.search(reason), _ALONE.search(reason)
+    if launch is not None:
+        return f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`"
+    if alone is None:
+        return "correct what the message names"
+    name = alone[1]
+    if name in {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}:
+        return f"write `$(arg {name})`"
+    macros = collect_macros(source.trees).values()
+    is_known = name in collect_properties(source.trees) or any(name in macro.parameters for macro in macros)
+    return (
+        f"write `${{{name}}}`"
+        if is_known
+        else f"write the text that is meant, or `${{{name}}}` and define {name} before it"
+    )
 
 
 def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -199,13 +221,21 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
         macro = _find_macro_around(failure)
         define += f", or add it to the params of macro {macro}" if macro else ""
-        repair = f"write `{near}`, or {define}" if near else define
+        repair = _describe_near_name(failure, near, define) if near else define
         if defining:
             why = f"; {' and '.join(defining)} of the package {'define' if len(defining) > 1 else 'defines'} it"
             repair = _describe_include(failure.source, defining, define)
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options, defining=defining
     )
+
+
+def _describe_near_name(failure: _ExpansionFailure, near: str, define: str) -> str:
+    """Say what to do with a name that resembles a defined one: a condition that the file has under that name may be left over."""
+    element = _find_failing_element(failure)
+    if element is None or element.tag not in _CONDITIONS or near in _BUILT_IN_NAMES.values():
+        return f"write `{near}`, or {define}"
+    return f"write `{near}` if that is meant, delete the condition and what is in it if it is left over, or {define}"
 
 
 def _is_guard(failure: _ExpansionFailure, definitions: Sequence[Attribute]) -> bool:
@@ -253,8 +283,7 @@ def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared:
 
 def _find_built_in_name(name: str) -> str | None:
     """Return the built-in name of xacro that differs only in case: ``True`` for ``true``, ``pi`` for ``PI``."""
-    built_in = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
-    return built_in.get(name.lower())
+    return _BUILT_IN_NAMES.get(name.lower())
 
 
 def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -273,6 +302,11 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     repair = "include the file that defines the macro before this line, or delete the call if it is left over"
     if near:
         repair = "correct the name, or include the file that defines the macro before this line"
+    elif not defining and (namesake := _find_read_namesake(failure.source, name)) is not None:
+        file, package = namesake
+        repair = (
+            f"use a release or fork of {package} whose {file} defines the macro, or delete the call if it is left over"
+        )
     if defining and all(_defines_in_part(failure.source, file, name) for file in defining):
         where = "under a condition, or in another macro"
         repair = f"define the macro before this line ({' and '.join(defining)} may: it is there {where}), or correct the name"
@@ -290,6 +324,19 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         repair=repair,
         defining=defining,
     )
+
+
+def _find_read_namesake(source: Source, macro: str) -> tuple[str, str] | None:
+    """Return the file of another package that is called like a macro and was read, and that package: there it may be defined in
+    another version."""
+    own = source.finder.find_package_of(source.path.absolute())
+    for file in source.files.values():
+        if file.path.name.partition(".")[0].removesuffix("_macro").lower() != macro.lower():
+            continue
+        package = source.finder.find_package_of(file.path.absolute())
+        if package is not None and own is not None and package.path != own.path:
+            return file.path.name, package.name
+    return None
 
 
 def _explain_conditional_macro(
@@ -325,7 +372,7 @@ def _defines_in_part(source: Source, name: str, macro: str) -> bool:
 
 def _is_in_part(definition: Element) -> bool:
     outer = definition.parent
-    while outer is not None and outer.tag not in {"xacro:if", "xacro:unless", "xacro:macro"}:
+    while outer is not None and outer.tag not in {*_CONDITIONS, "xacro:macro"}:
         outer = outer.parent
     return outer is not None
 
@@ -478,7 +525,7 @@ def _explain_undefined_block(failure: _ExpansionFailure, match: re.Match[str]) -
         else f'define the block before it: `<xacro:property name="{name}">…`'
     )
     repair = _describe_leftover_block(failure, name) or f"delete the line if it is left over; else {define}"
-    repair = repair if near is None else f"write `{near}`"
+    repair = repair if near is None else f"write `{near}` if that is meant; else {repair}"
     return _build_report(failure, "undefined-block", name=name, hint=format_name_hint(name, known), repair=repair)
 
 
@@ -524,7 +571,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     elsewhere = find_uninstalled_file(path, package, files)
     read = set(map(os.path.abspath, failure.source.files))
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
-    correction = f"{_PATH_REPAIR}; {_RELATIVE_HINT}" if _is_relative(failure) else _PATH_REPAIR
+    correction = f"{_PATH_REPAIR}, or add the file" + (f"; {_RELATIVE_HINT}" if _is_relative(failure) else "")
     root = failure.source.finder.find_repository()
     if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
         correction = f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
@@ -625,6 +672,7 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
     included = {e.get("filename").rpartition("/")[2] for e in iter_elements_by_tag(source.trees, "xacro:include")}
     included |= {Path(name).name for name in source.trees}
     unknown = unknown.difference(*(defined.get(name, ()) for name in included))
+    others = [name for name in beside if path.suffix and Path(name).suffix == path.suffix]
     beside = [name for name in beside if name not in included]
     defined = {name: macros for name, macros in defined.items() if name not in included}
     defining = [name for name in sorted(defined) if defined[name] & unknown]
@@ -633,8 +681,9 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
         return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
     if near and (near in defining or not unknown or not defined.get(near)):
         return f" (did you mean {near!r}?)"
-    alike = [name for name in beside if Path(name).suffix == path.suffix and not defined.get(name)]
-    return f" (the only other {path.suffix} file there is {alike[0]!r})" if path.suffix and len(alike) == 1 else ""
+    # One beside that only defines other macros than those that are missing is none of the two.
+    is_meant = len(others) == 1 and others[0] in beside and not defined.get(others[0])
+    return f" (the only other {path.suffix} file there is {others[0]!r})" if is_meant else ""
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:
@@ -655,6 +704,8 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         else list_full_names(source, path)
     )
     options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
+    is_whole = len(told) == 1 and not choices and Path(told[0].value).name == path.name
+    near, there = _describe_only_namesake(source, path) if is_whole else ("", "")
     return _build_report(
         failure,
         "argument-leads-nowhere" if guilty else "argument-empty",
@@ -665,9 +716,25 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         given=" and ".join(map(str, told)),
         lead="leads" if len(told) == 1 else "lead",
         noun="argument" if len(told) == 1 else "arguments",
-        choices=format_choices(choices),
+        choices=near or format_choices(choices),
+        there=there,
         options=options,
         remedy=options,
+    )
+
+
+def _describe_only_namesake(source: Source, path: Path) -> tuple[str, str]:
+    """Return what to say about the one file of the package that is called so, and the end of a repair; nothing where it has none,
+    or several."""
+    package = source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
+    named = [] if package is None else index_files([package.path]).get(path.name.lower(), [])
+    found = [file for file in named if file.name == path.name]
+    if package is None or len(found) != 1:
+        return "", ""
+    place = found[0].relative_to(package.path).as_posix()
+    return (
+        f" ({package.name} has a file of this name: {place})",
+        f": `$(find {package.name})/{place}`, if that is the one",
     )
 
 
@@ -699,12 +766,23 @@ def _explain_empty_file_name(failure: _ExpansionFailure, _match: re.Match[str]) 
     return _build_report(failure, "file-name-empty", at=origin, extra=extra, **data)
 
 
+def _has_arguments(failure: _ExpansionFailure) -> bool:
+    return any(True for _ in iter_elements_by_tag(failure.source.trees, "xacro:arg"))
+
+
+def _describe_arguments(failure: _ExpansionFailure) -> str:
+    """Say that other arguments may be what is missing: the defaults of a file need not be those with which it is started."""
+    return (
+        "; if arguments give them, first pass those with which the robot is started (`--arg`)"
+        if _has_arguments(failure)
+        else ""
+    )
+
+
 def _explain_missing_key(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     # An argument may choose the file, and another one what is read of it.
-    has_arguments = any(True for _ in iter_elements_by_tag(failure.source.trees, "xacro:arg"))
-    repair = "correct the key, or add it to the yaml file" + (
-        "; if arguments choose the file, first give those that go together (`--arg`)" if has_arguments else ""
-    )
+    chosen = "; if arguments choose the file, first give those that go together (`--arg`)"
+    repair = "correct the key, or add it to the yaml file" + (chosen if _has_arguments(failure) else "")
     return _build_report_at_expression(failure, "key-missing", key=match.group(1), repair=repair)
 
 

@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.resources import find_in_named_package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
@@ -47,7 +48,10 @@ def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Fin
         yield from _check_model(subject, rule)
     elif isinstance(subject, LaunchContext):
         launch = subject.launch
-        yield from _check_companion_file(rule, "launch", problems=launch.problems, files=launch.files)
+        # Nothing starts what is kept in a folder of files that are not used.
+        is_aside = launch.package is not None and is_kept_aside(launch.path, launch.package.path)
+        for finding in _check_companion_file(rule, "launch", problems=launch.problems, files=launch.files):
+            yield replace(finding, severity=Severity.WARNING) if is_aside else finding
         # In a folder it is not meant for roslaunch; where it is named, nothing would be checked.
         for problem in launch.problems if subject.is_explicit else ():
             if problem.kind == "script":

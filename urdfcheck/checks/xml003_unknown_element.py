@@ -68,9 +68,11 @@ _NAMES_IN_BLOCK = {"mu": "mu1", "min_depth": "minDepth", "max_vel": "maxVel"}
 _FRICTION = frozenset({"surface", "friction", "ode"})
 # Those of a whole model: sdformat hands them to it only from a <gazebo> without a reference.
 _SDF_OF_MODELS = {
-    "plugin": "move it into a `<gazebo>` without reference; the plugin of a sensor belongs inside its <sensor>",
-    "static": "move it into a `<gazebo>` without reference: it is about the whole model",
+    "plugin": "move it into a `<gazebo>` without reference, or delete it; the plugin of a sensor belongs inside its <sensor>",
+    "static": "move it into a `<gazebo>` without reference: it is about the whole model; delete it if that is to move",
 }
+# Those that are true or false: one that holds its default says nothing.
+_SWITCHES = frozenset({"gravity", "kinematic", "self_collide", "selfCollide", "turnGravityOff", "enable_wind"})
 # The texts of SDF that are nearly all defaults, besides that of gravity.
 _DEFAULT_TEXTS = frozenset({"", "0", "false"})
 _GRAVITY_TEXTS = frozenset({"", "1", "true"})
@@ -158,6 +160,14 @@ def _describe_renaming(parent: str, near: str, places: list[Element], model: Mod
         repair += ", and delete it in the fixed joints"
     if near == "dynamics" and not wrong:
         repair += f"; programs then use {_list_values(wanted)}. Delete it if the robot moves as it should"
+    # The robot may be right with the default; without a limit, these types are refused.
+    if (
+        is_of_moving
+        and near != "dynamics"
+        and not repeated
+        and not (near == "limit" and any(map(_needs_limit, wanted)))
+    ):
+        repair += "; delete it if the robot moves as it should"
     edits = () if repeated or wrong else build_rename_edits(wanted, near, model.source.files)
     return repair, tuple(edits)
 
@@ -205,7 +215,9 @@ def _has_shape_beside(element: Element) -> bool:
 def _holds_sdf_defaults(element: Element) -> bool:
     """Whether an element of SDF holds only what counts without it."""
     if element.tag == "gravity":
-        return element.text.strip() in _GRAVITY_TEXTS
+        # A number such as 9.81 means that there is gravity.
+        text = element.text.strip()
+        return text in _GRAVITY_TEXTS or bool(parse_number(text))
     values = [
         v for inner in element.walk() for v in (inner.text.strip(), *(a.value for a in inner.attributes.values()))
     ]
@@ -229,6 +241,11 @@ def _holds_texts(element: Element) -> bool:
 
 def _is_in_fixed_joint(element: Element) -> bool:
     return element.parent is not None and element.parent.tag == "joint" and element.parent.get("type") == "fixed"
+
+
+def _needs_limit(element: Element) -> bool:
+    """Whether an element is in a joint of a type that urdfdom refuses without a limit."""
+    return element.parent is not None and element.parent.get("type") in {"revolute", "prismatic"}
 
 
 def _find_wrong_numbers(places: list[Element], tag: str) -> list[str]:
@@ -527,6 +544,8 @@ def _describe_sdf_repair(parent: str, places: list[Element], model: Model) -> st
         return _describe_pose_repair(parent, places)
     if child.tag in _SDF_OF_MODELS:
         return _SDF_OF_MODELS[child.tag]
+    if child.tag in _SWITCHES and all(map(_holds_sdf_defaults, places)):
+        return "delete it: that is so without it"
     around = parent if parent == "visual" else "collision"
     name, where, others = _describe_block_place(places)
     # In the block, sdformat writes a <gravity> of its own before this one, which then does not count.
@@ -538,19 +557,21 @@ def _describe_sdf_repair(parent: str, places: list[Element], model: Model) -> st
     if child.tag == "surface" and (own := _find_own_contacts(child, leaves, model)):
         # What the block has of its own, sdformat writes over what is moved into it.
         return (
-            f'delete it{others}: `<gazebo reference="{name}">` has its own {_list_tags(own)}, which Gazebo uses; '
+            f'delete it{others}: `<gazebo reference="{name}">` has its own {own}, which Gazebo uses; '
             "correct the numbers there if these are right"
         )
     if child.tag == "surface" and not _URDF_OF_CONTACTS.isdisjoint(leaves):
         direct = _list_tags([tag for tag in leaves if tag in _OF_CONTACTS])
         rest = [tag for tag in leaves if tag not in _OF_CONTACTS]
         kept = f", and {_list_tags(rest)} into <{around}><surface> in it" if rest else ""
-        return f'move {direct} directly into `<gazebo reference="{name}">…</gazebo>` {where}{kept}{others}'
+        return (
+            f'move {direct} directly into `<gazebo reference="{name}">…</gazebo>` {where}{kept}{others}{_UNLESS_RIGHT}'
+        )
     block = f'`<gazebo reference="{name}">{inside}</gazebo>` {where}'
     repair = f"write {block} instead{others}" if is_off else f"move it into {block}{others}"
     if child.tag in _SDF_OF_SHAPES and any(map(_is_in_named_shape, places)):
         repair += f", and delete the name of the <{around}>, with which Gazebo ignores this block (GZB003)"
-    return repair
+    return repair if is_off else f"{repair}{_UNLESS_RIGHT}"
 
 
 def _describe_pose_repair(parent: str, places: list[Element]) -> str:
@@ -568,15 +589,22 @@ def _describe_pose_repair(parent: str, places: list[Element]) -> str:
     return f"write `{origin}` if this place is meant; else delete it"
 
 
-def _find_own_contacts(surface: Element, leaves: list[str], model: Model) -> list[str]:
-    """Return what the <gazebo> block of the link has of all that a surface has; nothing if it lacks some of it."""
+def _find_own_contacts(surface: Element, leaves: list[str], model: Model) -> str:
+    """Return what the <gazebo> block of the link has of all that a surface has; nothing if it lacks some of it.
+
+    A second <surface> beside one that the block has for its shape would be one too many.
+    """
     link = _find_around(surface, "link")
     wanted = [_NAMES_IN_BLOCK.get(tag, tag) for tag in leaves]
-    if link is None or not wanted or not set(wanted) <= _OF_CONTACTS:
-        return []
-    blocks = [b for b in model.robot.find_children("gazebo") if b.get("reference") == link.get("name")]
+    blocks = [
+        b for b in model.robot.find_children("gazebo") if link is not None and b.get("reference") == link.get("name")
+    ]
+    shapes = [shape for block in blocks for shape in block.find_children("collision")]
+    if any(shape.find_child("surface") is not None for shape in shapes):
+        return _list_tags(["surface"])
     own = {child.tag for block in blocks for child in block.children}
-    return wanted if own.issuperset(wanted) else []
+    is_all = wanted and set(wanted) <= _OF_CONTACTS and own.issuperset(wanted)
+    return _list_tags(wanted) if is_all else ""
 
 
 def _describe_block_place(places: list[Element]) -> tuple[str, str, str]:
@@ -605,7 +633,9 @@ def _describe_friction_repair(places: list[Element]) -> str:
     if any(place.span == places[0].span for place in places[1:]):  # a macro, whose calls may give other numbers
         typed = {}
     inside = f"<mu1>{typed.get('mu') or typed.get('mu1') or '…'}</mu1><mu2>{typed.get('mu2') or '…'}</mu2>"
-    return f'write `<gazebo reference="{name}">{inside}</gazebo>` {where} instead{others}: friction is of the link'
+    # None has had an effect so far: with it, the robot is another one.
+    block = f'`<gazebo reference="{name}">{inside}</gazebo>` {where}'
+    return f"write {block} instead{others}: friction is of the link; or delete it if the robot is right"
 
 
 def _is_in_named_shape(element: Element) -> bool:

@@ -177,7 +177,10 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
     """Say how what is left is expanded: in what xacro has made, by running it again."""
     if source.is_output_of_xacro and all(text.startswith("<xacro:") for text in texts):
         call = next(text for text in texts if text not in _DEFINITIONS)
-        return f"include the file that defines {call} in the xacro of which this file was made, and run xacro again"
+        return (
+            f"include the file that defines {call} in the xacro of which this file was made, and run xacro again; or delete "
+            "what is left, if the robot needs nothing of it"
+        )
     unknown = _find_undefined_name(texts)
     if unknown is not None:
         return f"write the value in its place: the file does not define {unknown}, so xacro would stop at it too"

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
-from urdfcheck.core.text import format_count, format_name_hint
+from urdfcheck.core.text import find_nearest_name, format_count, format_name_hint
 from urdfcheck.model import Model
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import is_kept_aside
@@ -60,8 +60,8 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             names,
             material=name,
             shapes=format_count(len(names), "shape refers", "shapes refer"),
-            definition="" if name in everywhere else _propose_definition(model, name),
             near=format_name_hint(name, everywhere),
+            repair="" if name in everywhere else _describe_repair(model, name, everywhere),
         )
         # What no program loads looks like nothing.
         yield replace(finding, severity=Severity.INFO) if _is_left_aside(model) else finding
@@ -77,6 +77,13 @@ def _hangs_on_another_robot(model: Model) -> bool:
     """Whether all links of a xacro hang on a link that it has not, so that a robot elsewhere includes it (KIN002)."""
     links, children = {link.name for link in model.links}, {joint.child for joint in model.joints}
     return model.source.is_xacro and links <= children and any(joint.parent not in links for joint in model.joints)
+
+
+def _describe_repair(model: Model, name: str, known: Collection[str]) -> str:
+    define = f"define it as a child of <robot>: {_propose_definition(model, name)}"
+    near = find_nearest_name(name, known)
+    # A second spelling of a colour that the robot has would be a second material.
+    return f"{define}, or correct the name" if near is None else f"write `{near}` if that is meant; else {define}"
 
 
 def _propose_definition(model: Model, name: str) -> str:

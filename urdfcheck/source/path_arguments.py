@@ -72,12 +72,18 @@ def select_guilty(arguments: Iterable[PathArgument], missing: Path) -> list[Path
 
 
 def list_other_values(source: Source, argument: PathArgument, missing: Path) -> list[str]:
-    """Return the other values that the files of the model know and that lead to something in place of the missing part."""
+    """Return the other values that the files of the model know and that lead to a folder in place of the missing part, or to a
+    file of its kind."""
     from urdfcheck.source.xacro.argument_values import find_argument_choices  # only what is missing asks for it
 
     known = {choice.name: choice.values for choice in find_argument_choices(source.path, source.finder)}
     values = (value for value in known.get(argument.name, ()) if value != argument.value)
-    return [value for value in values if (missing.parent / missing.name.replace(argument.value, value)).exists()]
+    places = {value: missing.parent / missing.name.replace(argument.value, value) for value in values}
+    return [
+        value
+        for value, place in places.items()
+        if place.is_dir() or (place.suffix == missing.suffix and place.exists())
+    ]
 
 
 def is_name_cut_off(path: Path) -> bool:

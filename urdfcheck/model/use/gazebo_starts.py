@@ -9,6 +9,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
+from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import MODEL_FILE
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
@@ -53,20 +54,30 @@ def names_mimic_engine(model: Model) -> bool:
 def is_left_out_of_gazebo(model: Model) -> bool:
     """Whether files of the model's package, or of those that depend on it, give other models to Gazebo, and neither they nor one
     that loads a robot_description names this one, by its name up to the first dot; or they give it an SDF and no
-    robot_description. Or nothing in them and in the robot is for Gazebo."""
+    robot_description. Or nothing in them and in the robot is for Gazebo. Without a package: whether scripts of its project name
+    it, and none of these is about Gazebo or loads a robot_description."""
     own, texts = _cut_name(model.source.path.name), list_project_texts(model)
     spawning = [text for text in texts if GAZEBO.search(text)]
     blocks = [
         *model.robot.find_children("gazebo"),
         *filter(is_simulated_hardware, model.robot.find_children("ros2_control")),
     ]
-    if model.source.package is not None and not spawning and not blocks:
+    if not blocks and (not spawning if model.source.package is not None else _is_loaded_by_other_programs(model)):
         return True
     if gives_gazebo_sdf(model):
         return True
     simulated = {_cut_name(name) for text in texts if GAZEBO.search(text) for name in MODEL_FILE.findall(text)}
     loaded = {_cut_name(name) for text in texts if "robot_description" in text for name in MODEL_FILE.findall(text)}
     return bool(simulated) and own not in simulated | loaded
+
+
+def _is_loaded_by_other_programs(model: Model) -> bool:
+    """Whether files of the project around a model without a package name it, and none of them is about Gazebo or ROS."""
+    finder, path = model.source.finder, model.source.path.absolute()
+    project, own = finder.find_project_above(path), compile_names((path.name,))
+    texts = () if project is None else read_package_texts(project, finder.can_open)
+    naming = [text for text in texts if own.search(text)]
+    return bool(naming) and not any(GAZEBO.search(text) or "robot_description" in text for text in naming)
 
 
 def gives_gazebo_sdf(model: Model) -> bool:

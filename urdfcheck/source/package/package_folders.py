@@ -19,7 +19,7 @@ BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Folders of files that are kept and not used.
 _ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
 # One of these words makes a longer name that of such a folder: `legacy_launch`.
-_ASIDE_WORDS = frozenset({"deprecated", "legacy", "obsolete", "unused"})
+_ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "unused"})
 # Files that tell colcon and catkin to leave out a folder with all below it.
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.

@@ -13,6 +13,8 @@ _GENERAL_REPAIR = (
 # What is not among the characters of XML (production 2): listed, because the complement of its ranges takes 8 ms to compile.
 NO_CHARACTER = re.compile("[\x00-\x08\x0b\x0c\x0e-\x1f\ud800-\udfff\ufffe\uffff]")
 _NAME = re.compile(r"[^\s<>/=\"'&]+")
+# A value without its closing quote: the next quote is that which opens the value of the attribute after it.
+_SWALLOWED = re.compile(r"""([^\s<>/="'&]{1,100})\s*=\s*(["'])([^"'<>=]{0,200}?)\s+[\w:.-]{1,100}\s*=\s*\2\Z""")
 _ENTITY = re.compile(r"&([^\s;<>&\"'#][^\s;<>&\"']*);")
 _OPEN_ENTITY = re.compile(r"&[#\w.:-]{0,40}\Z")
 _ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
@@ -73,9 +75,7 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
         if before.endswith("<!--") and opener > before.rfind("-->"):
             line = text.count("\n", 0, opener) + 1
             message = f"a comment begins inside the comment of line {line}"
-            repair = (
-                f"end the comment of line {line} before this `<!--`, or delete this `<!--` and the first `-->` after it"
-            )
+            repair = f"end the comment of line {line} before this `<!--`{_describe_whole_comment(text, at)}"
             # Behind the root element, tinyxml2 takes what is left of the comment for another one.
             is_after_root = bool(opened) and f"</{opened[0][0]}" in before[:opener]
             return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root)
@@ -104,6 +104,27 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
             "delete everything before the first `<`",
         )
     return _describe_tag(text, at)
+
+
+def _describe_whole_comment(text: str, at: int) -> str:
+    """Say how all that follows becomes one comment, where a ``-->`` is left over that closes nothing.
+
+    ``at``: where the inner comment has begun, which the next ``-->`` ends.
+    """
+    end = begin = text.find("-->", at)
+    count = 0
+    while end >= 0:
+        count += 1
+        begin, end = text.find("<!--", end + 3), text.find("-->", end + 3)
+        if end >= 0 and (begin < 0 or end < begin):
+            line = text.count("\n", 0, end) + 1
+            if count == 1:
+                return (
+                    f", or, if all up to line {line} is to be left out, delete this `<!--` and the first `-->` after it"
+                )
+            return f", or, if all up to the last `-->` of line {line} is to be left out, delete each `<!--` and `-->` in between"
+        end = text.find("-->", begin) if begin >= 0 else -1
+    return ""
 
 
 def _describe_ampersand(entity: re.Match[str]) -> XmlMistake:
@@ -150,10 +171,10 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
         return XmlMistake(message, at, at + 1, "close the quotes of that value, or write `&lt;` if `<` is part of it")
     if quote is not None or ">" in inside:
         return None
-    return _describe_attribute(at, inside, here)
+    return _describe_attribute(text, at, inside, here)
 
 
-def _describe_attribute(at: int, inside: str, here: str) -> XmlMistake | None:
+def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistake | None:
     """Return what is wrong with an attribute outside its quotes."""
     if here == "<":
         return XmlMistake("the tag before this `<` is not closed", at, at + 1, "close the tag with `>` or `/>`")
@@ -166,6 +187,17 @@ def _describe_attribute(at: int, inside: str, here: str) -> XmlMistake | None:
             return XmlMistake(
                 "an attribute value is followed by an extra quote", at, at + 1, "delete one of the quotes"
             )
+        swallowed = _SWALLOWED.search(inside)
+        if swallowed is not None:  # the quote before belongs to the next attribute
+            name, mark, value = _shorten(swallowed[1]), swallowed[2], _shorten(swallowed[3])
+            message = f"the value of the attribute {name} lacks its closing quote"
+            start = at - len(inside) + swallowed.start(2)
+            return XmlMistake(message, start, at, f"write `{name}={mark}{value}{mark}`")
+        behind = _NAME.match(text, at)
+        if behind is not None and not re.match(r"\s*=", text[behind.end() : behind.end() + _MOST_SHOWN]):
+            message = f"an attribute value is followed by `{_shorten(behind[0])}`"
+            repair = "delete that, or write `&quot;` for a quote that is part of the value"
+            return XmlMistake(message, at, behind.end(), repair)
         return XmlMistake("there is no blank between two attributes", at, at + 1, "write a blank after the quotes")
     named = re.search(r"\s([^\s<>/=\"'&]+)\s*\Z", inside)
     if named is not None:
