@@ -18,7 +18,7 @@ MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Folders of files that are kept and not used.
 _ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
-# One of these words makes a longer name that of such a folder: `legacy_launch`.
+# How longer names of such folders begin: `legacy_launch`.
 _ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "unused"})
 # Files that tell colcon and catkin to leave out a folder with all below it.
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
@@ -48,7 +48,7 @@ def is_kept_aside(file: Path, package: Path) -> bool:
 
 def is_aside_folder(name: str) -> bool:
     """Whether a folder of this name holds files that are kept and not used."""
-    return name.lower() in _ASIDE_FOLDERS or not _ASIDE_WORDS.isdisjoint(re.split(r"[\W_]", name.lower()))
+    return name.lower() in _ASIDE_FOLDERS or re.split(r"[\W_]", name.lower())[0] in _ASIDE_WORDS
 
 
 def walk_packages(
