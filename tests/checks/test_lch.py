@@ -412,6 +412,38 @@ def test_why_an_include_leads_nowhere(tmp_path: Path, body: str, message: str | 
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
+def test_a_file_is_not_proposed_to_itself(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/sensor_manager.launch": '<launch><include file="$(find car)/launch/car_sensor_manager.launch"/></launch>',
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/sensor_manager.launch")
+    assert "did you mean" not in finding.message
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "known"),
+    [
+        ("make.sh", "xacro urdf/cart.urdf.xacro > urdf/cart.urdf", False),
+        ("make.sh", "rosrun xacro xacro ${robot}.urdf.xacro > ${robot}.urdf", False),
+        ("make.sh", "xacro urdf/cart.urdf.xacro -o ${robot}_cart.urdf", True),
+        ("make.sh", "xacro urdf/cart.urdf.xacro > urdf/bus.urdf", True),
+        ("CMakeLists.txt", "add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/cart.urdf COMMAND xacro)", False),
+        ("CMakeLists.txt", "xacro_add_files(urdf/cart.urdf.xacro INSTALL)", False),
+        ("notes.txt", "xacro urdf/cart.urdf.xacro > urdf/cart.urdf", True),
+    ],
+)
+def test_a_model_that_a_script_writes_is_known_after_it(tmp_path: Path, file: str, text: str, known: bool) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/cart.urdf.xacro": CAR.format(shape=BOX),
+        file: text,
+        "launch/car.launch": f"<launch>{load('$(find car)/urdf/cart.urdf')}</launch>",
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/car.launch")
+    assert finding.message_id == ("file" if known else "unknown")
+
+
 def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> None:
     body = INCLUDE.format("$(find-pkg-share car)/launch/arm.launch.xml")
     (finding,) = find_in_package(tmp_path, body, "LCH001")

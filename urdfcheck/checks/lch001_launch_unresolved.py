@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -13,7 +13,7 @@ from typing import Any
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.built_files import is_git_ignored
+from urdfcheck.source.launch.built_files import find_maker, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,
@@ -27,7 +27,7 @@ from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
+from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import find_dependent
@@ -111,7 +111,10 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
     """Report an include whose file or argument does not exist."""
     at, name = include.at, include.unresolved.name
     if include.unresolved.kind == "file":
-        yield rule.finding("include-file", at=at, path=name, **_describe_neighbours(name, launch.finder))
+        file = None if at.span is None else launch.files.get(at.span.file)
+        including = [launch.path] if file is None else [launch.path, file.path]  # one that includes itself never ends
+        beside = _describe_neighbours(name, launch.finder, without=including)
+        yield rule.finding("include-file", at=at, path=name, **beside)
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
@@ -175,6 +178,12 @@ def _check_description(
             yield build_unknown(f"argument {obstacle.name!r} is empty")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
+    elif obstacle.kind == "file" and (maker := _find_maker(obstacle.name, launch.finder)) is not None:
+        shown, name = format_path(maker), Path(obstacle.name).name
+        yield build_unknown(
+            f"{maker.name} makes {name} with xacro",
+            repair=f"make {name} ({shown}) before the launch; urdfcheck reads the xacro file that it is made from",
+        )
     elif obstacle.kind == "file":
         beside = _describe_neighbours(obstacle.name, launch.finder, is_expanded=description.uses_xacro)
         yield rule.finding("file", at=at, path=obstacle.name, **beside)
@@ -193,6 +202,15 @@ def _has_own_model(package: Package) -> bool:
 def _is_generated(name: str, launch: Path) -> bool:
     """Whether git ignores a missing file."""
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
+
+
+def _find_maker(name: str, finder: PackageFinder) -> Path | None:
+    """Return the script or build file that makes a missing model in its package, which may be one of rosbuild."""
+    path = normalise_path(Path(name))
+    package = finder.find_package_of(path)
+    around = (folder for folder in path.parents if finder.can_open(folder))
+    folder = next(filter(is_rosbuild_package, around), None) if package is None else package.path
+    return None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
 
 
 def _build_unknown_finding(
@@ -283,16 +301,28 @@ def _format_suggestions(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
-def _describe_neighbours(path: str, finder: PackageFinder, *, is_expanded: bool = True) -> dict[str, Any]:
+def _describe_neighbours(
+    path: str, finder: PackageFinder, *, is_expanded: bool = True, without: Sequence[Path] = ()
+) -> dict[str, Any]:
     """Return what a message says about the folder of a missing file, and what the repair takes from it.
 
-    ``is_expanded``: whether xacro expands the file.
+    ``is_expanded``: whether xacro expands the file; ``without``: files that are not meant.
     """
-    near = _suggest_file(path, finder, is_expanded=is_expanded)
-    return {"near": near, "meant": near if near.startswith(" (") else ""}
+    near = _suggest_file(path, finder, is_expanded=is_expanded, without=without)
+    return {
+        "near": near,
+        "meant": near if near.startswith(" (") else "",
+        "version": _describe_version(Path(path), finder),
+    }
 
 
-def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str:
+def _describe_version(path: Path, finder: PackageFinder) -> str:
+    """Say that another version of the package that lacks a file may have it, where it is not the launch file's own project."""
+    package = finder.find_foreign_package(normalise_path(path))
+    return "" if package is None else f", get the version of {package.name} that has the file"
+
+
+def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, without: Sequence[Path]) -> str:
     folder = Path(path).parent
     if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
         return ""
@@ -300,6 +330,8 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
         return _describe_only_file(path, finder) or f"; the folder {format_path(folder)} does not exist either"
+    avoided = {normalise_path(place) for place in without}
+    names = [name for name in names if normalise_path(folder / name) not in avoided]
     # A file that only defines macros makes an empty robot.
     names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
     wanted = Path(path).name
