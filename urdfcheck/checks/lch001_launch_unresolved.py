@@ -206,7 +206,7 @@ def _is_generated(name: str, launch: Path) -> bool:
 
 def _find_maker(name: str, finder: PackageFinder) -> Path | None:
     """Return the script or build file that makes a missing model in its package, which may be one of rosbuild."""
-    path = normalise_path(Path(name))
+    path = normalise_path(Path(name).absolute())
     package = finder.find_package_of(path)
     around = (folder for folder in path.parents if finder.can_open(folder))
     folder = next(filter(is_rosbuild_package, around), None) if package is None else package.path
@@ -318,7 +318,7 @@ def _describe_neighbours(
 
 def _describe_version(path: Path, finder: PackageFinder) -> str:
     """Say that another version of the package that lacks a file may have it, where it is not the launch file's own project."""
-    package = finder.find_foreign_package(normalise_path(path))
+    package = finder.find_foreign_package(normalise_path(path.absolute()))
     return "" if package is None else f", get the version of {package.name} that has the file"
 
 
@@ -330,8 +330,9 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, withou
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
         return _describe_only_file(path, finder) or f"; the folder {format_path(folder)} does not exist either"
-    avoided = {normalise_path(place) for place in without}
-    names = [name for name in names if normalise_path(folder / name) not in avoided]
+    avoided = {normalise_path(place.absolute()) for place in without}
+    here = normalise_path(folder.absolute())
+    names = [name for name in names if here / name not in avoided]
     # A file that only defines macros makes an empty robot.
     names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
     wanted = Path(path).name

@@ -353,7 +353,11 @@ def _describe_checkout(gap: _MissingFiles, source: Source) -> str:
 def _describe_version(gap: _MissingFiles, source: Source) -> str:
     """Say that another version of the package that lacks the files may have them; empty if it is the author's own."""
     named = {use.resource.package for use in gap.uses}
-    package = source.finder.find_foreign_package(normalise_path(gap.path)) if len(named) == 1 and all(named) else None
+    package = (
+        source.finder.find_foreign_package(normalise_path(gap.path.absolute()))
+        if len(named) == 1 and all(named)
+        else None
+    )
     what = "the file" if len(gap.files) == 1 else "the files"
     return "" if package is None else f"correct the path, or get the version of {package.name} that has {what}"
 
