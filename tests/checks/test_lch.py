@@ -512,6 +512,27 @@ def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) 
 
 
 @pytest.mark.parametrize(
+    ("callers", "hint"),
+    [
+        (["arm"], "urdf/arm.macros.xacro only defines macros; "),
+        (["arm", "leg"], "only defines macros; name a file that calls them)"),
+    ],
+)
+def test_macros_are_no_robot(tmp_path: Path, callers: list[str], hint: str) -> None:
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    call = head + '<xacro:include filename="$(find car)/urdf/arm.macros.xacro"/><link name="a"/></robot>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/arm.macros.xacro": head + '<xacro:macro name="m" params=""><link name="a"/></xacro:macro></robot>',
+        **{f"robots/{name}_robot.urdf.xacro": call for name in callers},
+        "launch/car.launch": f"<launch>{XACRO.format('$(find car)/robots/arm.macros.xacro')}</launch>",
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/car.launch")
+    assert hint in finding.message
+    assert ("robots/arm_robot.urdf.xacro includes it" in finding.message) == (len(callers) == 1)
+
+
+@pytest.mark.parametrize(
     ("copies", "hint"),
     [
         (["models/arm/model.urdf"], " (the only file of this name here is "),

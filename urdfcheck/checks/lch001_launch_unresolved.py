@@ -34,11 +34,13 @@ from urdfcheck.source.ros.dependencies import find_dependent
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import defines_macros, has_parts
-from urdfcheck.system.files import FileTooLargeError, read_regular
+from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing
 
 # The characters of a command that a message shows.
 _SHOWN = 80
 _XACRO = ".xacro"
+# So many xacro files are searched for one that includes another.
+_MOST_INCLUDERS = 1_000
 # What a launch file names, as a message calls it.
 _SRDF = "SRDF"
 # What means the same whatever the arguments are.
@@ -349,7 +351,25 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, withou
 def _describe_only_file(path: str, finder: PackageFinder) -> str:
     """Name the file that a path may have meant, if the repository has one of this name elsewhere."""
     only = _find_only_file(Path(path).name, finder)
-    return "" if only is None else f" (the only file of this name here is {format_path(only)})"
+    if only is None:
+        return ""
+    if not (only.name.endswith(_XACRO) and _is_of_macros(only, finder)):
+        return f" (the only file of this name here is {format_path(only)})"
+    # Its macros make no robot until a file calls them.
+    callers = _find_includers(only, finder)
+    wanted = normalise_path(Path(path).absolute()).parent
+    callers = [caller for caller in callers if normalise_path(caller.absolute()).parent == wanted] or callers
+    shown = f"{format_path(callers[0])} includes it" if len(callers) == 1 else "name a file that calls them"
+    return f" ({format_path(only)} only defines macros; {shown})"
+
+
+def _find_includers(part: Path, finder: PackageFinder) -> list[Path]:
+    """Return the xacro files of the repository that include a file of this name."""
+    index = index_files([find_project_folder(finder.start)])
+    files = sorted({path for paths in index.values() for path in paths if path.name.endswith(_XACRO)})
+    including = re.compile(rf"include\s[^<>]*(?<![\w.-]){re.escape(part.name)}[\"']")
+    readable = (path for path in files[:_MOST_INCLUDERS] if path != part and finder.can_open(path))
+    return [path for path in readable if including.search(read_text_or_nothing(path))]
 
 
 def _is_of_macros(path: Path, finder: PackageFinder) -> bool:
