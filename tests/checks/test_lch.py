@@ -515,7 +515,8 @@ def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) 
     ("callers", "hint"),
     [
         (["arm"], "urdf/arm.macros.xacro only defines macros; "),
-        (["arm", "leg"], "only defines macros; name a file that calls them)"),
+        (["arm", "leg"], "robots/leg_robot.urdf.xacro include it)"),
+        ([], "only defines macros; name a file that calls them)"),
     ],
 )
 def test_macros_are_no_robot(tmp_path: Path, callers: list[str], hint: str) -> None:
@@ -525,6 +526,7 @@ def test_macros_are_no_robot(tmp_path: Path, callers: list[str], hint: str) -> N
         "package.xml": "<package><name>car</name></package>",
         "urdf/arm.macros.xacro": head + '<xacro:macro name="m" params=""><link name="a"/></xacro:macro></robot>',
         **{f"robots/{name}_robot.urdf.xacro": call for name in callers},
+        "robots/README.md": "",
         "launch/car.launch": f"<launch>{XACRO.format('$(find car)/robots/arm.macros.xacro')}</launch>",
     }
     (finding,) = find(tmp_path, files, "LCH001", name="launch/car.launch")

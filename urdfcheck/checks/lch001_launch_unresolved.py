@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
-from urdfcheck.core.text import format_name_hint
+from urdfcheck.core.text import format_name_hint, join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.built_files import find_maker, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
@@ -359,7 +359,8 @@ def _describe_only_file(path: str, finder: PackageFinder) -> str:
     callers = _find_includers(only, finder)
     wanted = normalise_path(Path(path).absolute()).parent
     callers = [caller for caller in callers if normalise_path(caller.absolute()).parent == wanted] or callers
-    shown = f"{format_path(callers[0])} includes it" if len(callers) == 1 else "name a file that calls them"
+    listed = join_names(map(format_path, callers))
+    shown = f"{listed} {'includes' if len(callers) == 1 else 'include'} it" if callers else "name a file that calls them"
     return f" ({format_path(only)} only defines macros; {shown})"
 
 
