@@ -601,6 +601,16 @@ def test_a_second_block_of_the_same_joints_is_deleted(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("delete it: ros2_control[")
 
 
+def test_a_second_block_of_some_of_the_joints_is_moved_without_them(tmp_path: Path) -> None:
+    placed = '<transmission name="t"><joint name="a"/></transmission>'
+    both = '<transmission name="u"><joint name="a"/><joint name="c"/></transmission>'
+    run = check_text(tmp_path, make_cart(f"{placed}<gazebo>{both}</gazebo>"), codes={"CTL003"})
+    title = next(f.fix.title for f in run.findings if f.message_id == "transmission" and f.fix is not None)
+    assert title.startswith(
+        "move it out of gazebo, directly into <robot>, without the joints that transmission[t] has (a)"
+    )
+
+
 def test_a_transmission_beside_ros2_control_needs_no_type(tmp_path: Path) -> None:
     """ROS 2 reads those inside the block only."""
     joint = f'<joint name="left_wheel">{interface("hardware_interface/EffortJointInterface")}</joint>'

@@ -1177,6 +1177,20 @@ def test_missing_folder_is_named_where_others_are(tmp_path: Path, cmake: str, af
     assert not findings(tmp_path, "PKG008")
 
 
+def test_a_folder_of_programs_may_be_meant_where_it_is_installed(tmp_path: Path) -> None:
+    launch = "p = join(get_package_share_directory('p'), 'scripts', 'run.py')"
+    files = {"package.xml": manifest(AMENT), "launch/r.launch.py": launch, "scripts/run.py": ""}
+    programs = "install(PROGRAMS scripts/run.py DESTINATION lib/${PROJECT_NAME})"
+    cmake = f"project(p)\ninstall(DIRECTORY launch DESTINATION share/p)\n{programs}\nament_package()\n"
+    write(tmp_path, {**files, "CMakeLists.txt": cmake})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title.endswith(
+        "; scripts is installed in lib/${PROJECT_NAME}: if programs are meant, start them from there"
+    )
+
+
 @pytest.mark.parametrize("cmake", ["", "install(DIRECTORY urdf meshes DESTINATION share/${PROJECT_NAME})"])
 def test_a_project_with_another_name_than_the_package_installs_elsewhere(tmp_path: Path, cmake: str) -> None:
     files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}

@@ -360,7 +360,9 @@ def _describe_only_file(path: str, finder: PackageFinder) -> str:
     wanted = normalise_path(Path(path).absolute()).parent
     callers = [caller for caller in callers if normalise_path(caller.absolute()).parent == wanted] or callers
     listed = join_names(map(format_path, callers))
-    shown = f"{listed} {'includes' if len(callers) == 1 else 'include'} it" if callers else "name a file that calls them"
+    shown = (
+        f"{listed} {'includes' if len(callers) == 1 else 'include'} it" if callers else "name a file that calls them"
+    )
     return f" ({format_path(only)} only defines macros; {shown})"
 
 
