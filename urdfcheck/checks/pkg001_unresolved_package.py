@@ -52,6 +52,7 @@ _NOTES = frozenset({
     *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
 _TEST_FOLDERS = frozenset({"test", "tests"})
+_OF_TESTS = "the file is one of the tests"
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
@@ -172,6 +173,7 @@ def _build_finding(
         inside=inside,
         script="" if script is None else script.name,
         kept=kept,
+        kind="a test" if kept == _OF_TESTS else "an original",
         hint=(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
@@ -198,7 +200,7 @@ def _explain_kept_file(source: Source) -> str:
     project = find_project_folder(source.path.absolute())
     folders = Path(os.path.relpath(source.path.absolute(), project)).parts[:-1]
     if not _TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
-        return "the file is one of the tests"
+        return _OF_TESTS
     used = find_used_copy(source)
     return (
         "" if used is None else f"{used.name} beside it is the copy in use, and no file of the project names this one"
