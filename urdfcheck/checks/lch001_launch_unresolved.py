@@ -359,7 +359,7 @@ def _describe_only_file(path: str, finder: PackageFinder) -> str:
     callers = _find_includers(only, finder)
     wanted = normalise_path(Path(path).absolute()).parent
     callers = [caller for caller in callers if normalise_path(caller.absolute()).parent == wanted] or callers
-    listed = join_names(map(format_path, callers))
+    listed = join_names(map(format_path, callers), 2)
     shown = (
         f"{listed} {'includes' if len(callers) == 1 else 'include'} it" if callers else "name a file that calls them"
     )

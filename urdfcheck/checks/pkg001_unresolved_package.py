@@ -191,7 +191,7 @@ def _build_finding(
 
 
 def _names_gazebo_model(use: ResourceUse) -> bool:
-    """Whether a path starts at a model of Gazebo, which is no package of ROS."""
+    """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
     return use.resource.text.lower().startswith("model://")
 
 

@@ -21,7 +21,7 @@ from urdfcheck.source.package.package_folders import (
     walk_packages,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.project_folders import find_project_folder, is_shared_by_all, list_shared_folders
+from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
@@ -399,7 +399,8 @@ class PackageFinder:
             return None
         released = read_released_packages()
         is_released = package.name in released and (own is None or own.name not in released)
-        is_outside = find_project_folder(package.path) != find_project_folder(self.start)
+        projects = {self.find_project_above(folder.absolute() / "package.xml") for folder in (package.path, self.start)}
+        is_outside = len(projects) > 1 and None not in projects
         return package if is_released or is_outside else None
 
     def find_source(self, path: Path) -> Path:
