@@ -365,6 +365,16 @@ def test_a_launch_file_of_ros_1_in_a_package_of_ros_2_is_left_over(
     assert found["LCH001"].fix.title.startswith("delete the launch file" if is_left else "correct the path")
 
 
+def test_a_launch_file_that_includes_one_of_ros_1_is_left_over_too(tmp_path: Path) -> None:
+    files = {
+        "package.xml": f"<package><name>car</name>{ROS2}</package>",
+        "launch/all.launch": '<launch><include file="$(dirname)/robot.launch"/></launch>',
+        "launch/robot.launch": f"<launch>{load('$(find car)/urdf/gone.urdf')}</launch>",
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/all.launch")
+    assert finding.severity == Severity.WARNING
+
+
 def test_a_released_package_is_declared_and_a_dependency_of_a_dependency_is(tmp_path: Path) -> None:
     text = load("$(find ur_description)/urdf/ur.urdf")
     (finding,) = find_in_package(tmp_path, text, "LCH001")
