@@ -180,12 +180,8 @@ def _check_description(
             yield build_unknown(f"argument {obstacle.name!r} is empty")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
-    elif obstacle.kind == "file" and (maker := _find_maker(obstacle.name, launch.finder)) is not None:
-        shown, name = format_path(maker), Path(obstacle.name).name
-        yield build_unknown(
-            f"{maker.name} makes {name} with xacro",
-            repair=f"make {name} ({shown}) before the launch; urdfcheck reads the xacro file that it is made from",
-        )
+    elif obstacle.kind == "file" and (made := _describe_maker(obstacle.name, launch.finder)) is not None:
+        yield build_unknown(made[0], repair=made[1])
     elif obstacle.kind == "file":
         beside = _describe_neighbours(obstacle.name, launch.finder, is_expanded=description.uses_xacro)
         yield rule.finding("file", at=at, path=obstacle.name, **beside)
@@ -206,13 +202,17 @@ def _is_generated(name: str, launch: Path) -> bool:
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
 
 
-def _find_maker(name: str, finder: PackageFinder) -> Path | None:
-    """Return the script or build file that makes a missing model in its package, which may be one of rosbuild."""
+def _describe_maker(name: str, finder: PackageFinder) -> tuple[str, str] | None:
+    """Say what makes a missing model in its package, which may be one of rosbuild, with the repair; None without such a file."""
     path = normalise_path(Path(name).absolute())
     package = finder.find_package_of(path)
     around = (folder for folder in path.parents if finder.can_open(folder))
     folder = next(filter(is_rosbuild_package, around), None) if package is None else package.path
-    return None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
+    maker = None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
+    if maker is None:
+        return None
+    how = f"make {path.name} before the launch ({format_path(maker)})"
+    return f"{maker.name} makes {path.name} with xacro", f"{how}; urdfcheck reads the xacro file that it is made from"
 
 
 def _build_unknown_finding(
@@ -236,6 +236,10 @@ def _check_python_launch(
     ]
     for message, named in lost:
         path = format_path(Path(named.path))
+        made = _describe_maker(path, finder) if message == "named" else None
+        if made is not None:
+            yield _build_unknown_finding(rule, named.location, made[0], is_explicit=is_explicit, repair=made[1])
+            continue
         yield rule.finding(
             message,
             at=named.location,
