@@ -649,6 +649,26 @@ def test_each_generation_of_ros_has_removed_its_own(tmp_path: Path, body: str, n
 
 
 @pytest.mark.parametrize(
+    ("body", "end"),
+    [
+        (
+            '<node pkg="tf" exec="static_transform_publisher" args="0 0 0 0 0 0 a b 40"/>',
+            "tf2_ros/static_transform_publisher; delete the period, the last number of args",
+        ),
+        (
+            '<node pkg="gazebo_ros" exec="spawn_model"/>',
+            "with those of Gazebo Classic (`-topic robot_description -entity …`)",
+        ),
+        ('<node pkg="rviz" exec="rviz"/>', "write rviz2/rviz2"),
+    ],
+)
+def test_arguments_that_the_replacement_does_not_read_are_named(tmp_path: Path, body: str, end: str) -> None:
+    (finding,) = find_in_launch(tmp_path, body, "LCH003")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(end)
+
+
+@pytest.mark.parametrize(
     ("body", "program", "effect"),
     [
         ('<node name="n" pkg="robot_state_publisher" type="state_publisher"/>', "rviz", "shows no robot"),
