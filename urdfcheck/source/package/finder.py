@@ -281,7 +281,7 @@ class PackageFinder:
         return levels
 
     def find_project_above(self, folder: Path) -> Path | None:
-        """Return the repository that a folder is in; of what is in none, such as an unpacked archive, the folder that was named."""
+        """Return the repository that a folder is in; in an unpacked archive, which has none, the folder that was named."""
         repository = next((outer for outer in folder.parents if os.path.exists(outer / ".git")), None)
         if repository is not None or self.reach is None:
             return repository
