@@ -53,7 +53,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _describe_duplicate(one: Element, other: Element) -> str:
-    """Say what becomes of two blocks of a name: one is deleted only where it has no component that the other lacks."""
+    """Say how two blocks of a name are repaired: one is deleted only where it has no component that the other lacks."""
     labels, others = ({e.label: None for e in block.children if e.tag in _COMPONENTS} for block in (one, other))
     shared = [label for label in others if label in labels]
     if not shared:
