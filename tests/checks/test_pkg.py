@@ -200,6 +200,10 @@ def test_a_model_of_a_test_or_an_original_lacks_a_package_on_request(
 )
 def test_a_model_of_gazebo_is_no_package(tmp_path: Path, path: str, message: str) -> None:
     assert only(audit(package(tmp_path), make_mesh_link("a", path))).message_id == message
+    own = only(audit(package(tmp_path / "own", "parts/a.stl"), make_mesh_link("a", path)))
+    assert own.message_id == "files"
+    assert own.fix is not None
+    assert own.fix.title.startswith("write `package://p/parts/a.stl`, if these files are meant")
 
 
 def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path) -> None:

@@ -120,7 +120,8 @@ def _build_finding(
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
     kept = _explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
-    is_of_gazebo = kind == "files" and not near and not here and all(map(_names_gazebo_model, uses))
+    is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
+    is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
         message = "expansion-rosbuild"
     elif inside:
