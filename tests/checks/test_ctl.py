@@ -594,11 +594,42 @@ def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: 
     assert nesting(tmp_path / "c", body) == [(message, "info")]
 
 
+@pytest.mark.parametrize(
+    ("second", "repair"),
+    [
+        ("ab", "delete one of the two: both have joint[a]"),
+        ("a", "give each block its own name, and leave joint[a] in one of them only"),
+        ("abc", "give each block its own name, and leave joint[a], joint[b] in one of them only"),
+        ("c", "give each block its own name, for example with the prefix of the arm"),
+    ],
+)
+def test_of_two_blocks_of_a_name_one_is_deleted_only_if_nothing_is_lost(
+    tmp_path: Path, second: str, repair: str
+) -> None:
+    hardware = "<hardware><plugin>p/C</plugin></hardware>"
+    blocks = (
+        f'<ros2_control name="arm" type="system">{hardware}{"".join(f"""<joint name="{n}"/>""" for n in names)}</ros2_control>'
+        for names in ("ab", second)
+    )
+    run = check_text(tmp_path, make_cart("".join(blocks)), codes={"CTL005"})
+    assert [f.fix.title for f in run.findings if f.message_id == "duplicate" and f.fix is not None] == [repair]
+
+
 def test_a_second_block_of_the_same_joints_is_deleted(tmp_path: Path) -> None:
     run = check_text(tmp_path, make_cart(f"{control()}<gazebo>{control()}</gazebo>"), codes={"CTL003"})
     (finding,) = run.findings
     assert finding.fix is not None
     assert finding.fix.title.startswith("delete it: ros2_control[")
+
+
+def test_a_second_block_of_some_of_the_joints_is_moved_without_them(tmp_path: Path) -> None:
+    placed = '<transmission name="t"><joint name="a"/></transmission>'
+    both = '<transmission name="u"><joint name="a"/><joint name="c"/></transmission>'
+    run = check_text(tmp_path, make_cart(f"{placed}<gazebo>{both}</gazebo>"), codes={"CTL003"})
+    title = next(f.fix.title for f in run.findings if f.message_id == "transmission" and f.fix is not None)
+    assert title.startswith(
+        "move it out of gazebo, directly into <robot>, without the joints that transmission[t] has (a)"
+    )
 
 
 def test_a_transmission_beside_ros2_control_needs_no_type(tmp_path: Path) -> None:

@@ -365,6 +365,16 @@ def test_a_launch_file_of_ros_1_in_a_package_of_ros_2_is_left_over(
     assert found["LCH001"].fix.title.startswith("delete the launch file" if is_left else "correct the path")
 
 
+def test_a_launch_file_that_includes_one_of_ros_1_is_left_over_too(tmp_path: Path) -> None:
+    files = {
+        "package.xml": f"<package><name>car</name>{ROS2}</package>",
+        "launch/all.launch": '<launch><include file="$(dirname)/robot.launch"/></launch>',
+        "launch/robot.launch": f"<launch>{load('$(find car)/urdf/gone.urdf')}</launch>",
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/all.launch")
+    assert finding.severity == Severity.WARNING
+
+
 def test_a_released_package_is_declared_and_a_dependency_of_a_dependency_is(tmp_path: Path) -> None:
     text = load("$(find ur_description)/urdf/ur.urdf")
     (finding,) = find_in_package(tmp_path, text, "LCH001")
@@ -410,6 +420,47 @@ INCLUDE = '<include file="{}"/>'
 )
 def test_why_an_include_leads_nowhere(tmp_path: Path, body: str, message: str | None) -> None:
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+
+
+def test_a_file_is_not_proposed_to_itself(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/sensor_manager.launch": '<launch><include file="$(find car)/launch/car_sensor_manager.launch"/></launch>',
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/sensor_manager.launch")
+    assert "did you mean" not in finding.message
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "known"),
+    [
+        ("make.sh", "xacro urdf/cart.urdf.xacro > urdf/cart.urdf", False),
+        ("make.sh", "rosrun xacro xacro ${robot}.urdf.xacro > ${robot}.urdf", False),
+        ("make.sh", "xacro urdf/cart.urdf.xacro -o ${robot}_cart.urdf", True),
+        ("make.sh", "xacro urdf/cart.urdf.xacro > urdf/bus.urdf", True),
+        ("CMakeLists.txt", "add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/cart.urdf COMMAND xacro)", False),
+        ("CMakeLists.txt", "xacro_add_files(urdf/cart.urdf.xacro INSTALL)", False),
+        ("notes.txt", "xacro urdf/cart.urdf.xacro > urdf/cart.urdf", True),
+    ],
+)
+@pytest.mark.parametrize("language", ["xml", "python"])
+def test_a_model_that_a_script_writes_is_known_after_it(
+    tmp_path: Path, file: str, text: str, known: bool, language: str
+) -> None:
+    if language == "python" and file == "CMakeLists.txt":
+        return  # what the build of a Python launch file's package may make is not missing at all
+    python = "d = get_package_share_directory('car')\np = join(d, 'urdf', 'cart.urdf')"
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/cart.urdf.xacro": CAR.format(shape=BOX),
+        file: text,
+        "launch/car.launch": f"<launch>{load('$(find car)/urdf/cart.urdf')}</launch>",
+        "launch/car.launch.py": python,
+    }
+    name = "launch/car.launch" + ".py" * (language == "python")
+    (finding,) = find(tmp_path, files, "LCH001", name=name)
+    missing = "named" if language == "python" else "file"
+    assert finding.message_id == (missing if known else "unknown")
 
 
 def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> None:
@@ -482,6 +533,29 @@ def test_the_path_itself_is_pointed_at_and_a_similar_file_named(tmp_path: Path) 
     text = (tmp_path / "car" / "launch" / "car.launch").read_text()
     assert text[span.start : span.end] == "$(find car)/urdf/cars.urdf"
     assert "'car.urdf'" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("callers", "hint"),
+    [
+        (["arm"], "urdf/arm.macros.xacro only defines macros; "),
+        (["arm", "leg"], "robots/leg_robot.urdf.xacro include it)"),
+        ([], "only defines macros; name a file that calls them)"),
+    ],
+)
+def test_macros_are_no_robot(tmp_path: Path, callers: list[str], hint: str) -> None:
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    call = head + '<xacro:include filename="$(find car)/urdf/arm.macros.xacro"/><link name="a"/></robot>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/arm.macros.xacro": head + '<xacro:macro name="m" params=""><link name="a"/></xacro:macro></robot>',
+        **{f"robots/{name}_robot.urdf.xacro": call for name in callers},
+        "robots/README.md": "",
+        "launch/car.launch": f"<launch>{XACRO.format('$(find car)/robots/arm.macros.xacro')}</launch>",
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="launch/car.launch")
+    assert hint in finding.message
+    assert ("robots/arm_robot.urdf.xacro includes it" in finding.message) == (len(callers) == 1)
 
 
 @pytest.mark.parametrize(
@@ -577,6 +651,26 @@ def test_the_repair_says_what_to_write(tmp_path: Path, args: str, title: str) ->
 def test_each_generation_of_ros_has_removed_its_own(tmp_path: Path, body: str, new: list[str]) -> None:
     findings = find_in_launch(tmp_path, body, "LCH003")
     assert [e.replacement for f in findings if f.fix is not None for e in f.fix.edits] == new
+
+
+@pytest.mark.parametrize(
+    ("body", "end"),
+    [
+        (
+            '<node pkg="tf" exec="static_transform_publisher" args="0 0 0 0 0 0 a b 40"/>',
+            "tf2_ros/static_transform_publisher; delete the period, the last number of args",
+        ),
+        (
+            '<node pkg="gazebo_ros" exec="spawn_model"/>',
+            "with those of Gazebo Classic (`-topic robot_description -entity …`)",
+        ),
+        ('<node pkg="rviz" exec="rviz"/>', "write rviz2/rviz2"),
+    ],
+)
+def test_arguments_that_the_replacement_does_not_read_are_named(tmp_path: Path, body: str, end: str) -> None:
+    (finding,) = find_in_launch(tmp_path, body, "LCH003")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(end)
 
 
 @pytest.mark.parametrize(

@@ -166,6 +166,53 @@ def test_a_package_may_be_in_a_submodule_that_is_not_checked_out(
     assert ("submodule" in finding.fix.title) == bool(begin or end)
 
 
+def test_a_submodule_in_another_package_has_no_package(tmp_path: Path) -> None:
+    path = "driver/include/lib"
+    write(
+        tmp_path, {".gitmodules": f'[submodule "q"]\n\tpath = {path}\n\turl = u\n', "driver/package.xml": "<package/>"}
+    )
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "package://arms/a.stl")))
+    assert finding.fix is not None
+    assert "submodule" not in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("file", "beside", "user", "message"),
+    [
+        ("p/test/r.urdf", "", "", "files-kept"),
+        ("p/urdf/r_orig.urdf", "p/urdf/r.urdf", "", "files-kept"),
+        ("p/urdf/r_orig.urdf", "p/urdf/r.urdf", "load('r_orig.urdf')", "files"),
+        ("p/urdf/r_orig.urdf", "p/urdf/s.urdf", "", "files"),
+        ("p/urdf/r.urdf", "p/urdf/r_orig.urdf", "", "files"),
+    ],
+)
+def test_a_model_of_a_test_or_an_original_lacks_a_package_on_request(
+    tmp_path: Path, file: str, beside: str, user: str, message: str
+) -> None:
+    manifest = {"p/package.xml": "<package><name>p</name></package>", "p/load.py": user, ".git/HEAD": ""}
+    write(tmp_path, {file: "", **({beside: ""} if beside else {}), **manifest})
+    finding = only(audit(tmp_path / file, make_mesh_link("a", "package://arms/a.stl")))
+    assert (finding.message_id, finding.severity) == (message, Severity.ERROR if message == "files" else Severity.INFO)
+
+
+@pytest.mark.parametrize(
+    ("path", "message"), [("model://wing/a.stl", "files-model"), ("package://wing/a.stl", "files")]
+)
+def test_a_model_of_gazebo_is_no_package(tmp_path: Path, path: str, message: str) -> None:
+    assert only(audit(package(tmp_path), make_mesh_link("a", path))).message_id == message
+    own = only(audit(package(tmp_path / "own", "parts/a.stl"), make_mesh_link("a", path)))
+    assert own.message_id == "files"
+    assert own.fix is not None
+    assert own.fix.title.startswith("write `package://p/parts/a.stl`, if these files are meant")
+
+
+def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path) -> None:
+    write(tmp_path, {"q/package.xml": "<package><name>ur_description</name></package>", "q/meshes/b.stl": ""})
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/meshes/a.stl")))
+    assert finding.fix is not None
+    assert finding.fix.title == "correct the path, or get the version of ur_description that has the file"
+
+
 def test_the_address_of_a_submodule_may_say_what_it_is(tmp_path: Path) -> None:
     first = '[submodule "a"]\n\tpath = lib/a\n\turl = https://h/u/b.git\n'
     write(tmp_path, {".gitmodules": f'{first}[submodule "x"]\n\tpath = x\n\turl = git@h:u/arms.git\n'})
@@ -1132,6 +1179,20 @@ def test_missing_folder_is_named_where_others_are(tmp_path: Path, cmake: str, af
     assert after in text
     (tmp_path / "CMakeLists.txt").write_text(text)
     assert not findings(tmp_path, "PKG008")
+
+
+def test_a_folder_of_programs_may_be_meant_where_it_is_installed(tmp_path: Path) -> None:
+    launch = "p = join(get_package_share_directory('p'), 'scripts', 'run.py')"
+    files = {"package.xml": manifest(AMENT), "launch/r.launch.py": launch, "scripts/run.py": ""}
+    programs = "install(PROGRAMS scripts/run.py DESTINATION lib/${PROJECT_NAME})"
+    cmake = f"project(p)\ninstall(DIRECTORY launch DESTINATION share/p)\n{programs}\nament_package()\n"
+    write(tmp_path, {**files, "CMakeLists.txt": cmake})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title.endswith(
+        "; scripts is installed in lib/${PROJECT_NAME}: if programs are meant, start them from there"
+    )
 
 
 @pytest.mark.parametrize("cmake", ["", "install(DIRECTORY urdf meshes DESTINATION share/${PROJECT_NAME})"])

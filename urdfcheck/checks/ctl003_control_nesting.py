@@ -86,11 +86,14 @@ def _check_nesting(model: Model, rule: Rule, *, severity: Severity | None) -> It
 
 
 def _describe_move(model: Model, block: Element, around: Element) -> str:
-    """Say where a block belongs; if one is there that has its joints, a second one is one too many."""
+    """Say where a block belongs; of the joints that one there has already, a second one is one too many."""
     joints = _collect_joints(block)
     placed = [other for other in model.robot.find_children(block.tag) if joints & _collect_joints(other)]
-    if placed:
+    if placed and joints <= set().union(*map(_collect_joints, placed)):
         return f"delete it: {placed[0].label}, directly in <robot>, has these joints"
+    if placed:
+        shared = join_names(sorted(joints & set().union(*map(_collect_joints, placed))))
+        return f"move it out of {around.label}, directly into <robot>, without the joints that {placed[0].label} has ({shared})"
     return f"move the block out of {around.label}, directly into <robot>"
 
 

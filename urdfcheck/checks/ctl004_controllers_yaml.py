@@ -353,8 +353,8 @@ def _check_command_interfaces(model: Model, rule: Rule, config: AssociatedConfig
                 repair = (
                     f"remove {joint.name} from the controller: it follows another joint by <mimic>"
                     if follows
-                    else f'add <joint name="{joint.name}"> with <command_interface name="{data["kind"]}"/> to the ros2_control '
-                    "block, or remove the joint from the controller"
+                    else f"remove the joint from the controller; or, if the hardware drives it, add "
+                    f'<joint name="{joint.name}"> with <command_interface name="{data["kind"]}"/> to the ros2_control block'
                 )
                 yield rule.finding("uncommanded", at=value, related=[joint], repair=repair, **data)
             else:

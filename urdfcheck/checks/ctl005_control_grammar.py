@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_name_hint
+from urdfcheck.core.text import format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.source.text.xml import Element
 
@@ -36,8 +36,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _check_block(model, rule, block)
         name = block.get("name").strip()
         if name and name in first:
-            shared = _find_shared_component(first[name], block)
-            repair = f"delete one of the two: both have {shared}" if shared else _OWN_NAMES
+            repair = _describe_duplicate(first[name], block)
             yield rule.finding("duplicate", at=block, related=[first[name]], name=name, repair=repair)
         first.setdefault(name, block)
         for element in block.children:
@@ -53,10 +52,15 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield from _check_repeated_components(rule, block)
 
 
-def _find_shared_component(one: Element, other: Element) -> str:
-    """Return the label of a component that two blocks have; empty for none."""
-    labels = {element.label for element in one.children if element.tag in _COMPONENTS}
-    return next((e.label for e in other.children if e.label in labels), "")
+def _describe_duplicate(one: Element, other: Element) -> str:
+    """Say how two blocks of a name are repaired: one is deleted only where it has no component that the other lacks."""
+    labels, others = ({e.label: None for e in block.children if e.tag in _COMPONENTS} for block in (one, other))
+    shared = [label for label in others if label in labels]
+    if not shared:
+        return _OWN_NAMES
+    if len(shared) == len(labels) == len(others):
+        return f"delete one of the two: both have {shared[0]}"
+    return f"give each block its own name, and leave {join_names(shared, 3)} in one of them only"
 
 
 def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:

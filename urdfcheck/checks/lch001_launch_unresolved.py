@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
-from urdfcheck.core.text import format_name_hint
+from urdfcheck.core.text import format_name_hint, join_names
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.built_files import is_git_ignored
+from urdfcheck.source.launch.built_files import find_maker, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,
@@ -27,18 +27,20 @@ from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
+from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import find_dependent
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import defines_macros, has_parts
-from urdfcheck.system.files import FileTooLargeError, read_regular
+from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing
 
 # The characters of a command that a message shows.
 _SHOWN = 80
 _XACRO = ".xacro"
+# So many xacro files are searched for one that includes another.
+_MOST_INCLUDERS = 1_000
 # What a launch file names, as a message calls it.
 _SRDF = "SRDF"
 # What means the same whatever the arguments are.
@@ -112,7 +114,10 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
     """Report an include whose file or argument does not exist."""
     at, name = include.at, include.unresolved.name
     if include.unresolved.kind == "file":
-        yield rule.finding("include-file", at=at, path=name, **_describe_neighbours(name, launch.finder))
+        file = None if at.span is None else launch.files.get(at.span.file)
+        including = [launch.path] if file is None else [launch.path, file.path]  # one that includes itself never ends
+        beside = _describe_neighbours(name, launch.finder, without=including)
+        yield rule.finding("include-file", at=at, path=name, **beside)
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
@@ -182,6 +187,8 @@ def _check_description(
             yield build_unknown(f"argument {obstacle.name!r} is empty")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
+    elif obstacle.kind == "file" and (made := _describe_maker(obstacle.name, launch.finder)) is not None:
+        yield build_unknown(made[0], repair=made[1])
     elif obstacle.kind == "file":
         beside = _describe_neighbours(obstacle.name, launch.finder, is_expanded=description.uses_xacro)
         yield rule.finding("file", at=at, path=obstacle.name, **beside)
@@ -200,6 +207,19 @@ def _has_own_model(package: Package) -> bool:
 def _is_generated(name: str, launch: Path) -> bool:
     """Whether git ignores a missing file."""
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
+
+
+def _describe_maker(name: str, finder: PackageFinder) -> tuple[str, str] | None:
+    """Say what makes a missing model in its package, which may be one of rosbuild, with the repair; None without such a file."""
+    path = normalise_path(Path(name).absolute())
+    package = finder.find_package_of(path)
+    around = (folder for folder in path.parents if finder.can_open(folder))
+    folder = next(filter(is_rosbuild_package, around), None) if package is None else package.path
+    maker = None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
+    if maker is None:
+        return None
+    how = f"make {path.name} before the launch ({format_path(maker)})"
+    return f"{maker.name} makes {path.name} with xacro", f"{how}; urdfcheck reads the xacro file that it is made from"
 
 
 def _build_unknown_finding(
@@ -223,6 +243,10 @@ def _check_python_launch(
     ]
     for message, named in lost:
         path = format_path(Path(named.path))
+        made = _describe_maker(path, finder) if message == "named" else None
+        if made is not None:
+            yield _build_unknown_finding(rule, named.location, made[0], is_explicit=is_explicit, repair=made[1])
+            continue
         yield rule.finding(
             message,
             at=named.location,
@@ -290,16 +314,28 @@ def _format_suggestions(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
-def _describe_neighbours(path: str, finder: PackageFinder, *, is_expanded: bool = True) -> dict[str, Any]:
+def _describe_neighbours(
+    path: str, finder: PackageFinder, *, is_expanded: bool = True, without: Sequence[Path] = ()
+) -> dict[str, Any]:
     """Return what a message says about the folder of a missing file, and what the repair takes from it.
 
-    ``is_expanded``: whether xacro expands the file.
+    ``is_expanded``: whether xacro expands the file; ``without``: files that are not meant.
     """
-    near = _suggest_file(path, finder, is_expanded=is_expanded)
-    return {"near": near, "meant": near if near.startswith(" (") else ""}
+    near = _suggest_file(path, finder, is_expanded=is_expanded, without=without)
+    return {
+        "near": near,
+        "meant": near if near.startswith(" (") else "",
+        "version": _describe_version(Path(path), finder),
+    }
 
 
-def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str:
+def _describe_version(path: Path, finder: PackageFinder) -> str:
+    """Say that another version of the package that lacks a file may have it, where it is not the launch file's own project."""
+    package = finder.find_foreign_package(normalise_path(path.absolute()))
+    return "" if package is None else f", get the version of {package.name} that has the file"
+
+
+def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, without: Sequence[Path]) -> str:
     folder = Path(path).parent
     if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
         return ""
@@ -307,6 +343,9 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
         return _describe_only_file(path, finder) or f"; the folder {format_path(folder)} does not exist either"
+    avoided = {normalise_path(place.absolute()) for place in without}
+    here = normalise_path(folder.absolute())
+    names = [name for name in names if here / name not in avoided]
     # A file that only defines macros makes an empty robot.
     names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
     wanted = Path(path).name
@@ -323,7 +362,28 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool) -> str
 def _describe_only_file(path: str, finder: PackageFinder) -> str:
     """Name the file that a path may have meant, if the repository has one of this name elsewhere."""
     only = _find_only_file(Path(path).name, finder)
-    return "" if only is None else f" (the only file of this name here is {format_path(only)})"
+    if only is None:
+        return ""
+    if not (only.name.endswith(_XACRO) and _is_of_macros(only, finder)):
+        return f" (the only file of this name here is {format_path(only)})"
+    # Its macros make no robot until a file calls them.
+    callers = _find_includers(only, finder)
+    wanted = normalise_path(Path(path).absolute()).parent
+    callers = [caller for caller in callers if normalise_path(caller.absolute()).parent == wanted] or callers
+    listed = join_names(map(format_path, callers), 2)
+    shown = (
+        f"{listed} {'includes' if len(callers) == 1 else 'include'} it" if callers else "name a file that calls them"
+    )
+    return f" ({format_path(only)} only defines macros; {shown})"
+
+
+def _find_includers(part: Path, finder: PackageFinder) -> list[Path]:
+    """Return the xacro files of the repository that include a file of this name."""
+    index = index_files([find_project_folder(finder.start)])
+    files = sorted({path for paths in index.values() for path in paths if path.name.endswith(_XACRO)})
+    including = re.compile(rf"include\s[^<>]*(?<![\w.-]){re.escape(part.name)}[\"']")
+    readable = (path for path in files[:_MOST_INCLUDERS] if path != part and finder.can_open(path))
+    return [path for path in readable if including.search(read_text_or_nothing(path))]
 
 
 def _is_of_macros(path: Path, finder: PackageFinder) -> bool:

@@ -25,8 +25,13 @@ class _Successor:
     """The release that removed the old one."""
     effect: tuple[str, str]
     """The program that misses the old one, and what it does without."""
-    drop_in: bool = True
-    """Whether it reads the same arguments."""
+    arguments: str = ""
+    """What a repair adds where it reads other arguments."""
+
+    @property
+    def drop_in(self) -> bool:
+        """Whether it reads the same arguments."""
+        return not self.arguments
 
 
 _NO_FRAMES = ("rviz", "shows no robot, because nothing publishes its frames")
@@ -45,7 +50,12 @@ _SUCCESSORS = {
             "robot_state_publisher", "robot_state_publisher", "ROS 2", _NO_FRAMES
         ),
         ("gazebo_ros", "spawn_model"): _Successor(
-            "ros_gz_sim", "create", "ROS 2 (spawn_entity.py with Gazebo Classic)", _NO_ROBOT, drop_in=False
+            "ros_gz_sim",
+            "create",
+            "ROS 2 (spawn_entity.py with Gazebo Classic)",
+            _NO_ROBOT,
+            arguments=" with its own arguments (`-topic robot_description -name …`), or gazebo_ros/spawn_entity.py with those of "
+            "Gazebo Classic (`-topic robot_description -entity …`)",
         ),
         ("tf", "static_transform_publisher"): _Successor(
             "tf2_ros", "static_transform_publisher", "ROS 2", ("rviz", "misses the frame that the node would publish")
@@ -88,6 +98,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
                 since=successor.since,
+                also="; delete the period, the last number of args" if _has_period(node) else successor.arguments,
             )
     for description in launch.descriptions:
         script = description.words[0] if description.words and not description.is_from_include else ""
@@ -104,6 +115,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 old="xacro/xacro.py",
                 new="xacro/xacro",
                 since=successor.since,
+                also="",
             )
 
 

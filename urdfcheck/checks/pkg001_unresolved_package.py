@@ -33,7 +33,12 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside, is_named_nowhere
+from urdfcheck.source.uses_elsewhere import (
+    find_deploying_script,
+    find_used_copy,
+    is_certainly_left_aside,
+    is_named_nowhere,
+)
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
 # So many files are looked up in other packages to find the one that is meant.
@@ -43,8 +48,11 @@ _LEAST_FILES = 3
 # The messages about models that are right somewhere else.
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
+    *("files-kept", "files-model"),
     *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
+_TEST_FOLDERS = frozenset({"test", "tests"})
+_OF_TESTS = "the file is one of the tests"
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
@@ -111,14 +119,23 @@ def _build_finding(
     is_lost = message in {"files", "expansion"} and not near and not here and not checkout
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
+    kept = _explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
+    is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
+    is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
         message = "expansion-rosbuild"
     elif inside:
         message = f"{message}-inside"
     elif script is not None:
         message = "files-part"
+    elif is_of_gazebo and package and message in {"files", "files-aside"}:
+        message = "files-model"
+    elif kept:
+        message = "files-kept"
     # The meshes of a declared package are missing only until it is installed.
-    lost = message in {"files", "files-inside", "files-part", "files-released", "files-aside", "nameless"}
+    lost = message in {
+        *("files", "files-inside", "files-part", "files-released", "files-aside", "files-kept", "nameless"),
+    }
     # Without a package the model may be for programs that need none.
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
@@ -156,6 +173,8 @@ def _build_finding(
         folder="" if clone is None else clone.name,
         inside=inside,
         script="" if script is None else script.name,
+        kept=kept,
+        kind="a test" if kept == _OF_TESTS else "an original",
         hint=(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
@@ -170,6 +189,23 @@ def _build_finding(
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
     is_blocked = message in {"expansion-declared", "expansion-inside", "expansion-rosbuild"}
     return replace(finding, blocks_check=True) if is_blocked else finding
+
+
+def _names_gazebo_model(use: ResourceUse) -> bool:
+    """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
+    return use.resource.text.lower().startswith("model://")
+
+
+def _explain_kept_file(source: Source) -> str:
+    """Say why no program of the robot loads a model: it is in a folder of tests, or the original of another; else empty."""
+    project = find_project_folder(source.path.absolute())
+    folders = Path(os.path.relpath(source.path.absolute(), project)).parts[:-1]
+    if not _TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
+        return _OF_TESTS
+    used = find_used_copy(source)
+    return (
+        "" if used is None else f"{used.name} beside it is the copy in use, and no file of the project names this one"
+    )
 
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:

@@ -208,6 +208,7 @@ def _build_finding(
         else _describe_owner(gap, owners)
         or _describe_checkout(gap, source)
         or repair_beside
+        or _describe_version(gap, source)
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
@@ -347,6 +348,18 @@ def _describe_checkout(gap: _MissingFiles, source: Source) -> str:
     return (
         "" if submodule is None else f"check out its submodule: `git submodule update --init {shlex.quote(submodule)}`"
     )
+
+
+def _describe_version(gap: _MissingFiles, source: Source) -> str:
+    """Say that another version of the package that lacks the files may have them; empty if it is the author's own."""
+    named = {use.resource.package for use in gap.uses}
+    package = (
+        source.finder.find_foreign_package(normalise_path(gap.path.absolute()))
+        if len(named) == 1 and all(named)
+        else None
+    )
+    what = "the file" if len(gap.files) == 1 else "the files"
+    return "" if package is None else f"correct the path, or get the version of {package.name} that has {what}"
 
 
 def _describe_ignored(gap: _MissingFiles) -> str:

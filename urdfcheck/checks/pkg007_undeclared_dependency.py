@@ -16,7 +16,7 @@ from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
-from urdfcheck.source.package.package_folders import is_kept_aside, read_manifest_name
+from urdfcheck.source.package.package_folders import IGNORE_MARKS, is_kept_aside, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -76,7 +76,7 @@ _MOST_FILES = 20_000
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
-    if root is None or file is None or root.tag != "package" or _is_inside_another(package.path, package):
+    if root is None or file is None or root.tag != "package" or _is_not_built(package):
         return
     # A line that is commented out was left out on purpose, and with it what the package brings: MoveIt's setup assistant leaves
     # out gazebo_ros_control so that nothing installs Gazebo. Its ROS 2 templates have the same line for a package of ROS 1.
@@ -165,6 +165,16 @@ def _is_inside_another(folder: Path | None, package: Package) -> bool:
     return any(package.finder.can_open(manifest) and manifest.is_file() for manifest in manifests)
 
 
+def _is_not_built(package: Package) -> bool:
+    """Whether the build tools and rosdep leave a package out: it is inside another one, or a mark at it or above it says so."""
+    if _is_inside_another(package.path, package):
+        return True
+    top = None if package.finder is None else package.finder.find_repository()
+    folder, around = package.path.absolute(), takewhile(lambda outer: outer != top, package.path.absolute().parents)
+    levels = [folder] if top is None else [folder, *around]
+    return any(os.path.lexists(level / mark) for level in levels for mark in IGNORE_MARKS)
+
+
 def _select_missing(
     package: Package, undeclared: Mapping[str, list[PackageMention]]
 ) -> dict[str, list[PackageMention]]:
@@ -220,7 +230,9 @@ def _build_finding(
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
-    is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses))
+    is_note = message in _MUTUAL and (
+        _are_defaults(uses) or _are_in_launch_files(uses) or set(tags.values()) == {"test_depend"}
+    )
     # Where ROS has released this package, its users do without what only its author has.
     is_spare = package.name in read_released_packages() or set(tags.values()) == {"test_depend"}
     is_note |= message in _UNKNOWN and is_spare

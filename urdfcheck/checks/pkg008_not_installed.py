@@ -18,12 +18,16 @@ from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import list_subfolders
 from urdfcheck.source.package.references import PackageMention, iter_package_files, iter_package_mentions
-from urdfcheck.system.files import read_regular
+from urdfcheck.system.files import read_regular, read_text_or_nothing
 
 # The launch files of ROS 1, and what makes one: ROS 2 has no such substitution.
 _OLD_LAUNCH = ".launch"
 _OLD_LOOKUP = re.compile(r"\$\(find\s+['\"]?$")
 _MODEL_SUFFIXES = frozenset({".urdf", ".xacro", ".sdf", ".srdf", ".gazebo"})
+# What installs a folder, or files of it, where programs are.
+_INSTALLED_PROGRAMS = (
+    r"install\s*\((?:DIRECTORY|PROGRAMS|FILES)[^()]*\s{}(?:/[^()]*)?\sDESTINATION\s+[\"']?(lib/[^\s()\"']*)"
+)
 # So many files of a folder are looked at for what it holds.
 _MOST_FILES = 2_000
 
@@ -38,11 +42,12 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     folders = sorted(missing)
     first = next((m for m in missing[folders[0]] if _leads_to_file(m, package)), missing[folders[0]][0])
     is_read = any(_leads_to_file(mention, package) for mentions in missing.values() for mention in mentions)
+    elsewhere = _describe_programs(package, folders)
     finding = rule.finding(
         f"{install.build_form}-several" if len(folders) > 1 else install.build_form,
         at=install.at,
         related=[mention.location for name in folders for mention in missing[name][:3]],
-        edits=install.build_edits(folders),
+        edits=[] if elsewhere else install.build_edits(folders),
         consequences=_describe_loss(package, folders) if is_read else _describe_absence(package),
         package=package.name,
         folder=folders[0],
@@ -53,11 +58,26 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         project=f" (its project is {install.other_project}, so share/${{PROJECT_NAME}} is another folder)"
         if install.other_project
         else "",
+        elsewhere=elsewhere,
         repair=_describe_python_repair(package, folders, install.names),
         lookup="files are looked up by package name" if is_read else "a path leads that no file here has",
         example=first.subpath.lstrip("/"),
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
+
+
+def _describe_programs(package: Package, folders: Iterable[str]) -> str:
+    """Name the folders that CMake installs among the programs: those are started by name, and a copy in share starts nothing."""
+    text = read_text_or_nothing(package.path / "CMakeLists.txt")
+    placed = {
+        folder: found[1]
+        for folder in folders
+        if (found := re.search(_INSTALLED_PROGRAMS.format(re.escape(folder)), text, re.IGNORECASE)) is not None
+    }
+    if not placed:
+        return ""
+    listed = join_names(f"{folder} is installed in {place}" for folder, place in placed.items())
+    return f"; {listed}: if programs are meant, start them from there"
 
 
 def _describe_python_repair(package: Package, folders: Iterable[str], names: Mapping[str, str]) -> str:

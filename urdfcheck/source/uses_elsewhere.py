@@ -40,6 +40,8 @@ _MAX_BYTES = 500_000
 _SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
 # Files that hand arguments to a xacro file: launch files, tests and build files.
 _CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
+# The name of a model that is kept as it was before another one was made of it.
+_ORIGINAL = re.compile(r"(.+)[-_](?:ori|orig|original|old|bak|backup)", re.IGNORECASE)
 # Beyond this many files the search stops, and it is unknown which definitions are used.
 _MAX_FILES = 20_000
 
@@ -270,6 +272,32 @@ def find_deploying_script(source: Source) -> Path | None:
             if own.search(text):
                 return path
     return None
+
+
+def find_used_copy(source: Source) -> Path | None:
+    """Return the model beside one that is named as its original or an old state of it (``arm_orig.urdf``, ``arm.urdf``).
+
+    None where a file of the project names the original.
+    """
+    name, suffix = source.path.name.partition(".")[::2]
+    match = _ORIGINAL.fullmatch(name)
+    used = None if match is None else source.path.absolute().with_name(f"{match[1]}.{suffix}")
+    if used is None or not source.finder.can_open(used) or not used.is_file():
+        return None
+    own, count = compile_names((source.path.name,)), 0
+    for here, names, files in walk(find_project_folder(source.path)):
+        names[:] = [folder for folder in names if not folder.startswith(".")]
+        for path in (Path(here, file) for file in sorted(files) if file.endswith(_CALLER_SUFFIXES)):
+            count += 1
+            if count > _MAX_FILES:
+                return None
+            try:
+                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace") if source.finder.can_open(path) else ""
+            except OSError:
+                continue
+            if own.search(text):
+                return None
+    return used
 
 
 @lru_cache(maxsize=1)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
+from urdfcheck.source.package.package_folders import iter_package_texts
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.system.files import read_text_or_nothing, walk
@@ -13,6 +14,40 @@ from urdfcheck.system.files import read_text_or_nothing, walk
 MAX_PATTERNS = 1_000
 # What a build calls that makes a file out of another.
 _MAKES_FILES = re.compile(r"xacro_add_|add_custom_|execute_process|configure_file|subprocess|os\.system|process_file")
+
+# What a script or a build writes with xacro: `xacro ${robot}.urdf.xacro > ${robot}.urdf`, `OUTPUT ${CMAKE_BINARY_DIR}/arm.urdf`.
+_WRITTEN = re.compile(
+    r"""xacro\b[^\n]{0,300}?(?:>|\s-o|--output)[\s=]*["']?(?P<written>[^\s"'|;&()<>]+)|\bOUTPUT\s+["']?(?P<output>[^\s"'()]+)"""
+)
+_XACRO_ADDED = re.compile(r"xacro_add_\w+\s*\(([^()]*)\)")
+# What the shell, CMake or Python puts into a name.
+_FILLED_IN = re.compile(r"\$?\{[^{}]*\}|\$\w+|%s")
+
+
+def find_maker(path: Path, package: Path, reach: FileReach) -> Path | None:
+    """Return the script or build file of a package that writes a missing model with xacro, under its name or a computed one.
+
+    A name that is computed whole may be any: then the package has a xacro file of the missing one's name.
+    """
+    stem = path.name.partition(".")[0]
+    for file, text in iter_package_texts(package, reach.can_open):
+        if file.name != "CMakeLists.txt" and file.suffix not in {".sh", ".py"}:
+            continue
+        names = {Path(name).name for match in _WRITTEN.finditer(text) for name in match.groups() if name}
+        patterns = {name: ".*".join(map(re.escape, _FILLED_IN.split(name))) for name in names if name}
+        written = [name for name, pattern in patterns.items() if re.fullmatch(pattern, path.name)]
+        is_added = any(f"{path.name}.xacro" in added for added in _XACRO_ADDED.findall(text))
+        if is_added or any(_FILLED_IN.sub("", name).partition(".")[0] for name in written):
+            return file
+        if written and _has_xacro_file(stem, package):
+            return file
+    return None
+
+
+def _has_xacro_file(stem: str, package: Path) -> bool:
+    return any(
+        name.endswith(".xacro") and name.partition(".")[0] == stem for _, _, files in walk(package) for name in files
+    )
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:

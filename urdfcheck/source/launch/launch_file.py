@@ -113,11 +113,11 @@ class Launch:
 
     @property
     def is_left_from_ros1(self) -> bool:
-        """Whether it is of ROS 1 in a package of ROS 2: with ``$(find …)`` or a node's ``type`` nothing starts it."""
+        """Whether it is of ROS 1 in a package of ROS 2: with ``$(find …)`` or a node's ``type``, its own or of a file that it
+        includes, nothing starts it."""
         if self.root is None or self.dialect != "ros1" or self.package is None:
             return False
-        text = self.files[self.name].text if self.name in self.files else ""
-        return is_only_of_ros2(self.package.root) and _ROS1_TEXT.search(text) is not None
+        return is_only_of_ros2(self.package.root) and any(_ROS1_TEXT.search(file.text) for file in self.files.values())
 
     @property
     def is_left_over(self) -> bool:

@@ -20,6 +20,7 @@ from urdfcheck.source.package.package_folders import (
     read_manifest_name,
     walk_packages,
 )
+from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
@@ -389,6 +390,18 @@ class PackageFinder:
             if package is not None:
                 return package
         return None
+
+    def find_foreign_package(self, path: Path) -> Package | None:
+        """Return the package that a file belongs to if it is another author's: of another project than the start, or a released
+        one beside one that is not."""
+        package, own = self.find_package_of(path), self.find_package_of(self.start.absolute() / "package.xml")
+        if package is None or (own is not None and package.path == own.path):
+            return None
+        released = read_released_packages()
+        is_released = package.name in released and (own is None or own.name not in released)
+        projects = {self.find_project_above(folder.absolute() / "package.xml") for folder in (package.path, self.start)}
+        is_outside = len(projects) > 1 and None not in projects
+        return package if is_released or is_outside else None
 
     def find_source(self, path: Path) -> Path:
         """Return the file or folder that a path in a package means before the package is installed.

@@ -210,10 +210,26 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
     if documented is not None:
         file, address = documented
         return f"clone its repository, as {file.name} says: `git clone {address}`; otherwise {repair}"
-    if missing and package not in read_released_packages():
-        unread = join_names([*missing], 3)
+    unlike = [] if package in read_released_packages() else _list_outer_submodules(missing, finder)
+    if unlike:
+        unread = join_names(unlike, 3)
         return f"{repair}; if a submodule that is not checked out has it ({unread}), `git submodule update --init`"
     return repair
+
+
+def _list_outer_submodules(submodules: Iterable[str], finder: PackageFinder) -> list[str]:
+    """Return the submodules that are in no package of the repository: build tools look for packages in no other package, and what
+    is there are its libraries."""
+    top = next((level for level in finder.list_parent_folders() if (level / ".gitmodules").is_file()), None)
+    return [
+        path
+        for path in submodules
+        if top is not None and not any((outer / "package.xml").is_file() for outer in _list_folders_around(top, path))
+    ]
+
+
+def _list_folders_around(top: Path, path: str) -> list[Path]:
+    return [top / outer for outer in PurePosixPath(path).parents if ".." not in outer.parts]
 
 
 def select_similar_submodules(submodules: Mapping[str, str], packages: Iterable[str]) -> list[str]:
