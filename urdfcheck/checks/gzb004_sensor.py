@@ -202,7 +202,8 @@ def _describe_frame_repair(element: Element, frame: str, meant: str, model: Mode
     """Say what to write for a frame; for one that xacro computes, in the terms of its expression."""
     typed = read_typed_content(element, model.source.files)
     if "$" not in typed:
-        return f"write {meant}"
+        is_same_part = _strip_kind_words(meant) == _strip_kind_words(frame)
+        return f"write {meant}" if is_same_part else f"write {meant}, unless a program publishes {frame}"
     return f"write {typed}{meant.removeprefix(frame)}" if meant.startswith(frame) else f"make {typed} give {meant}"
 
 
@@ -300,7 +301,8 @@ def _check_duplicate_names(
             is_mixed = any(_has_plugin(sensor, _READS_TOPIC) for sensor in alike)
             dropped = "the second is dropped" if len(alike) == 2 else "all but the first are dropped"
             yield rule.finding(
-                "twice",
+                # Where nothing reads the topic that they share, they work.
+                "shared" if is_classic and not is_mixed else "twice",
                 severity=Severity.INFO if is_classic and not is_mixed else None,
                 consequences={"gazebo": _MIXED if is_mixed else _IN_CLASSIC} if is_classic else None,
                 at=second.attributes["name"] if include is None else Location(second.subject, include),

@@ -152,11 +152,15 @@ def _describe_reversal(joint: Joint, declared: float) -> dict[str, Any]:
 
 def _report_apart(model: Model, rule: Rule, found: ApartPart) -> Finding:
     joint = model.joint_by_name[found.joint]
+    below = (link for link in model.links if joint in model.tree.find_path_to(link.name))
+    body = model.tree.list_body_links(joint.child)
+    carries = any(link.name not in body and (link.visuals or link.collisions) for link in below)
     return rule.finding(
         "apart",
         at=locate_origin_attribute(joint, "xyz"),
         joint=joint.name,
         child=joint.child,
+        moved=f"{joint.child} and all that it carries touch" if carries else f"{joint.child} touches",
         nearest=_name_drawn_link(model, joint, found.nearest),
         gap=format_length(found.gap),
         size=format_length(found.size),
