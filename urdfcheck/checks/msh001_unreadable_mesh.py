@@ -53,8 +53,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.group_by_file().items():
         error, facts = model.meshes.errors.get(path), model.meshes.facts.get(path)
         if error is not None and error.reason_id not in REPORTED_ELSEWHERE:
-            message = _choose_message(error)
-            severity = Severity.WARNING if message == "unread" else None
+            message = _choose_message(error, uses[0].name)
+            severity = Severity.WARNING if message in {"unread", "lenient"} else None
             is_bare = error.reason_id == "no-facets"
             repair = _describe_bare_repair(model, uses) if is_bare else _describe_repair(error.message, error.reason_id)
             if not _TESTS.isdisjoint(model.source.path.absolute().parts[-4:-1]):
@@ -70,13 +70,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity, repair=repair)
 
 
-def _choose_message(error: MeshError) -> str:
+def _choose_message(error: MeshError, name: str) -> str:
     if error.reason_id in NO_MESH:
         return "unreadable"
     if error.reason_id == "external-buffer":
         return "outside"
     if error.reason_id == "unsupported" or error.assimp == "loads":
         return "unread"
+    # Of an OBJ file that names materials, Assimp was not asked; many loaders leave out a line that they do not understand.
+    if not error.assimp and error.reason_id == "malformed" and name.lower().endswith(".obj"):
+        return "lenient"
     return "refused" if error.assimp == "refuses" else "broken"
 
 
