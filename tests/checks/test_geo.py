@@ -425,6 +425,29 @@ def test_what_one_link_draws_another_that_is_fixed_to_it_may_collide_with(tmp_pa
     assert not find(tmp_path / "b", robot(foot + base + make_joint("foot", "base", "fixed", "0 0 1")), "GEO003")
 
 
+@pytest.mark.parametrize(
+    ("drawn", "message"),
+    [
+        (("0.28 0.25 0.1", "0.3 0.2 0.1", "0.2 0.2 0.2"), "token"),
+        (("0.28 0.25 0.1", "0.28 0.25 0.1", "0.28 0.25 0.1"), "size"),  # of one macro
+        (("0.28 0.25 0.1", "0.3 0.2 0.1"), "size"),
+    ],
+)
+def test_a_small_box_in_several_different_parts_is_a_token(
+    tmp_path: Path, drawn: tuple[str, ...], message: str
+) -> None:
+    links = [
+        link(
+            str(i), geometry("visual", f'<box size="{size}"/>') + geometry("collision", '<box size="0.01 0.01 0.01"/>')
+        )
+        for i, size in enumerate(drawn)
+    ]
+    joints = [joint(f"j{i}", "0", str(i), kind="continuous", xyz=f"{i} 0 0") for i in range(1, len(drawn))]
+    findings = find(tmp_path, robot(*links, *joints), "GEO003")
+    assert {f.message_id for f in findings} == {message}
+    assert all(f.fix is not None and f.fix.title.startswith("nothing if so little of it") for f in findings)
+
+
 @pytest.mark.parametrize("role", ["visual", "collision"])
 def test_a_token_stands_for_nothing(tmp_path: Path, role: str) -> None:
     other = {"visual": "collision", "collision": "visual"}[role]

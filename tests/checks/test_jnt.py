@@ -96,6 +96,13 @@ def test_a_lower_limit_above_the_default_upper_one_is_inverted(tmp_path: Path) -
         ),
         ('lower="-1" upper="-2"', 'lower="1" upper="2"', "swap the two: lower -2, upper -1", True),
         ('lower="1" upper="-2"', "", "swap the two: lower -2, upper 1", True),
+        (
+            'lower="0" upper="-2"',
+            "",
+            "swap the two: lower -2, upper 0; or upper 2 if its minus sign is too much",
+            False,
+        ),
+        ('lower="2" upper="0"', "", "swap the two: lower 0, upper 2; or lower -2 if its minus sign is missing", False),
     ],
 )
 def test_limits_of_one_sign_may_lack_a_minus_sign(
@@ -590,14 +597,23 @@ def test_the_limits_of_the_first_leader_are_to_be_narrowed(tmp_path: Path) -> No
     assert finding.fix.title == "set the limits of j to -2 … 2 rad, narrow those of m, or correct multiplier and offset"
 
 
-@pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])
-def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, leaves: bool) -> None:
+@pytest.mark.parametrize(
+    ("multiplier", "found"),
+    [
+        ("1", []),
+        ("-1", []),
+        ("1.0009", []),
+        ("1.01", [("slight", Severity.INFO)]),
+        ("1.09", [("slight", Severity.INFO)]),
+        ("1.11", [("range", Severity.WARNING)]),
+    ],
+)
+def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, found: list[tuple[str, Severity]]) -> None:
     text = make_three_links(
         make_joint(follows("k", f'multiplier="{multiplier}"')), make_joint(LIMIT, name="k", child="c")
     )
     findings = find(tmp_path, text, "JNT009")
-    assert bool(findings) == leaves
-    assert all(f.severity == Severity.WARNING for f in findings)
+    assert [(f.message_id, f.severity) for f in findings] == found
 
 
 def origin(rpy: str, xyz: str = "0 0 0") -> str:

@@ -184,7 +184,7 @@ def _check_surface_settings(
 
 
 def _describe_users(model: Model, shapes: list[MergedShape]) -> str:
-    """Say what names shapes by their names in SDF, as a contact sensor does: it has to follow."""
+    """Say which sensors name shapes by their names in SDF, which a repair changes."""
     names = {shape.name for shape in shapes}
     users = [
         element
