@@ -176,8 +176,8 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
                 continue
             units = _guess_unit_mismatch(pair.ratio)
             owner = None if units else _find_owner(model, body, link)
-            is_inside = message == "size" and not units and _is_primitive_inside(link, pair)
-            alike = _describe_like_tokens(model, link) if is_inside else ""
+            is_stand_in = message == "size" and not units and _is_stand_in(link, pair)
+            alike = _describe_like_tokens(model, link) if is_stand_in else ""
             keeps_room = message == "size" and not units and owner is None and _keeps_room(link, pair)
             meant = _find_drawn_neighbour(model, body, link, pair) if message == "apart" and owner is None else None
             repair = _describe_repair(message, pair, owner)
@@ -188,7 +188,7 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
                     f"exchange the <collision> of {names}, with origins that leave both in place at rest, "
                     f"if each is the other's; otherwise {repair}"
                 )
-            elif is_inside:
+            elif is_stand_in:
                 repair = f"nothing if so little of it is to touch anything; otherwise {repair}"
             elif keeps_room:
                 repair = f"nothing if more room is meant to be kept; otherwise {repair}"
@@ -273,10 +273,12 @@ def _keeps_room(link: Link, pair: _BoxPair) -> bool:
     return is_around and all(shape.kind != "mesh" for shape in shapes)
 
 
-def _is_primitive_inside(link: Link, pair: _BoxPair) -> bool:
-    """Whether small primitives are inside what a link draws."""
+def _is_stand_in(link: Link, pair: _BoxPair) -> bool:
+    """Whether what collides is smaller, and primitives inside what the link draws, or at its origin, where nothing was placed."""
+    if pair.ratio >= 1.0 or any(shape.kind == "mesh" for shape in link.collisions):
+        return False
     inside = (pair.visual_box[0] <= pair.collision_box[0]).all() and (pair.collision_box[1] <= pair.visual_box[1]).all()
-    return bool(inside) and all(shape.kind != "mesh" for shape in link.collisions)
+    return bool(inside) or all(not any(shape.origin.xyz or ()) for shape in link.collisions)
 
 
 def _list_drawings(link: Link) -> tuple[object, ...]:
