@@ -891,7 +891,9 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
 
 
-@pytest.mark.parametrize(("name", "severity"), [("caster", Severity.INFO), ("basee", Severity.WARNING)])
+@pytest.mark.parametrize(
+    ("name", "severity"), [("caster", Severity.INFO), ("base_1_base", Severity.INFO), ("basee", Severity.WARNING)]
+)
 def test_the_colour_of_an_unknown_part_is_a_note(tmp_path: Path, name: str, severity: Severity) -> None:
     block = f'<gazebo reference="{name}"><material>Gazebo/Black</material></gazebo>'
     (finding,) = find(tmp_path, robot(link("base"), block), "GZB001")
