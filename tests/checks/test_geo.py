@@ -188,6 +188,23 @@ def test_a_drawing_beside_the_model_that_is_loaded_needs_no_collision(
     assert [finding.message_id for finding in find(tmp_path, files, "GEO002", name="arm.urdf")] == [message]
 
 
+@pytest.mark.parametrize(
+    ("folder", "name", "message"),
+    [("urdf", "arm", "none"), ("test", "arm", "drawing"), ("urdf", "bluerov", "drawing")],
+)
+def test_a_model_of_tests_and_one_that_swims_may_touch_nothing(
+    tmp_path: Path, folder: str, name: str, message: str
+) -> None:
+    (tmp_path / folder).mkdir()
+    arm = link("tool", box("visual")) + joint("j", "base", "tool", kind="continuous")
+    (tmp_path / folder / "arm.srdf").write_text(
+        f'<robot name="{name}"><group name="g"><joint name="j"/></group></robot>'
+    )
+    text = robot(link("base", box("visual")), arm, name=name)
+    (finding,) = find(tmp_path / folder, text, "GEO002", name="arm.urdf")
+    assert finding.message_id == message
+
+
 @pytest.mark.parametrize(("bare", "messages"), [(("left", "right"), {"between"}), (("left",), {"missing"})])
 def test_a_small_piece_that_only_one_side_lacks_was_forgotten(
     tmp_path: Path, bare: tuple[str, ...], messages: set[str]
