@@ -68,6 +68,21 @@ def test_a_shape_without_volume_is_an_error_where_it_collides(tmp_path: Path, sh
 
 
 @pytest.mark.parametrize(
+    ("radius", "repair"),
+    [
+        ("-0.1", "write radius without the minus sign; to flip"),
+        ("${0.1 - 0.2}", "make ${0.1 - 0.2} positive, or what it computes with; to flip"),
+    ],
+)
+def test_a_negative_size_that_is_computed_has_no_minus_sign_to_delete(tmp_path: Path, radius: str, repair: str) -> None:
+    text = robot(link("a", geometry("collision", f'<sphere radius="{radius}"/>')))
+    text = text.replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    (finding,) = find(tmp_path, text, "GEO001", name="r.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
     ("targets", "severity"),
     [
         ((), Severity.WARNING),
