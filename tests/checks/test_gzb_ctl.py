@@ -522,6 +522,28 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
     assert finding.fix.title == f"write {meant}" + ("" if meant == "tip" else ", unless a program publishes tip_link")
 
 
+@pytest.mark.parametrize(
+    ("link_name", "more", "found"),
+    [
+        ("/eye", "", []),
+        ("rover/eye", "", []),
+        (
+            "rover/eye",
+            '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/></gazebo>',
+            ["frame"],
+        ),
+        ("rover_eye", "", ["frame-elsewhere"]),
+    ],
+)
+def test_a_frame_may_get_the_namespace_of_the_links(
+    tmp_path: Path, link_name: str, more: str, found: list[str]
+) -> None:
+    body = block(link_name, sensor("imu", RATE + "<frame_name>eye</frame_name>"))
+    joints = fixed("j", "base", link_name)
+    text = robot(link("base"), link(link_name), joints, body, more)
+    assert [f.message_id for f in find(tmp_path, text, "GZB004")] == found
+
+
 def test_a_frame_that_a_macro_computes_is_repaired_in_its_terms(tmp_path: Path) -> None:
     (tmp_path / "r.urdf.xacro").write_text(
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="front_link"/>'

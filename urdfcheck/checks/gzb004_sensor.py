@@ -202,7 +202,7 @@ def _may_get_prefix(model: Model, frame: str) -> bool:
     if f"/{frame}" in model.link_by_name:
         return True
     package = model.source.package
-    is_of_ros2 = package is not None and is_only_of_ros2(package.root)
+    is_of_ros2 = (package is not None and is_only_of_ros2(package.root)) or is_for_new_gazebo(model)
     return not is_of_ros2 and any(name.endswith(f"/{frame}") for name in model.link_by_name)
 
 
