@@ -530,7 +530,7 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
         (
             "rover/eye",
             '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/></gazebo>',
-            ["frame"],
+            ["frame-elsewhere"],
         ),
         ("rover_eye", "", ["frame-elsewhere"]),
     ],
