@@ -1001,7 +1001,14 @@ def test_most_joints_of_a_limb_turn_through_their_stops(
 
 def test_wheels_have_no_stops_whatever_their_limits(tmp_path: Path) -> None:
     """Four wheels and two hinges of a car, all with the limits of one exporter."""
-    names = ("left_rear_wheel", "right_rear_wheel", "left_front_wheel", "right_front_wheel", "left_hinge", "right_hinge")
+    names = (
+        "left_rear_wheel",
+        "right_rear_wheel",
+        "left_front_wheel",
+        "right_front_wheel",
+        "left_hinge",
+        "right_hinge",
+    )
     limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
     joints = [joint(f"{name}_joint", "b", name, limit, kind="continuous") for name in names]
     (finding,) = find(tmp_path, robot(link("b"), *map(link, names), *joints), "JNT008")
