@@ -82,8 +82,8 @@ def measure_default_depth(model: Model, pair: CollisionPair) -> float:
 
 
 def do_surfaces_meet_at_default(model: Model, pair: CollisionPair) -> bool:
-    """Whether the surfaces of two links that meet in MoveIt's default state meet there: to FCL, MoveIt's default checker, a mesh is
-    its triangles, and what lies wholly inside it is free.
+    """Whether the surfaces of two links that meet in MoveIt's default state meet there: to FCL, MoveIt's default checker, a mesh
+    is its triangles, and what lies wholly inside it is free.
 
     :raises FactUnavailableError: when the collisions are not known.
     """
