@@ -125,3 +125,13 @@ def test_one_joint_without_a_free_twin_is_reported(hinges: tuple[str, ...], repo
     findings = check_text(tmp_path, text, codes={"JNT021"}).findings
     assert [(f.message_id, f.severity) for f in findings] == ([("sunken", Severity.WARNING)] if reported else [])
     assert all(f.fix is not None and f.fix.title.endswith("(0 -1 0), or write the limits -1.5 to 0") for f in findings)
+
+
+@pytest.mark.parametrize(("height", "reported"), [("0.11", True), ("0.06", False)])
+def test_a_part_that_is_inside_on_both_sides_is_out_of_place(tmp_path: Path, height: str, reported: bool) -> None:
+    hinge = write_hinge("0 1 0").replace("-0.1 0.0 0.11", f"-0.1 0 {height}")
+    write_meshes(tmp_path)
+    text = f'<robot name="press"><link name="block">{BLOCK}</link>{hinge}</robot>'
+    (found,) = find_contradicted_axes(read_model(tmp_path, hinge)).sunken
+    assert (found.shares[1] < 0.2) == reported
+    assert bool(check_text(tmp_path, text, codes={"JNT021"}).findings) == reported

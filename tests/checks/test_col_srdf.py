@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, collision, joint, limit, link, robot, visual
+from builders import box, collision, joint, limit, link, mesh, robot, visual
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -282,6 +282,22 @@ def test_what_no_group_moves_is_not_checked_by_moveit(tmp_path: Path) -> None:
     assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=battery))
 
 
+CUBE = "".join(f"v {x} {y} {z}\n" for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)) + (
+    "f 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nf 3 7 8 4\nf 1 5 7 3\nf 2 4 8 6\n"
+)
+
+
+@pytest.mark.parametrize(("height", "is_found"), [("0", False), ("0.06", False), ("0.08", True)])
+def test_what_lies_wholly_inside_a_mesh_does_not_meet_its_triangles(
+    tmp_path: Path, height: str, is_found: bool
+) -> None:
+    (tmp_path / "cube.obj").write_text(CUBE)
+    hood = link("hood", collision(mesh("cube.obj"), xyz="0.3 0 0")) + make_hinge("fore", "hood", "0 0 0")
+    camera = make_box("camera", "0.06 0.06 0.06") + make_hinge("fore", "camera", f"0.3 0 {height}")
+    srdf = NEIGHBOURS + '<disable_default_collisions link="fore"/>'
+    assert bool(find_with_srdf(tmp_path, "COL004", srdf, make_two_bars(elbow=0.5, more=hood + camera))) == is_found
+
+
 def test_a_collision_in_the_default_state_alone_is_an_info(tmp_path: Path) -> None:
     """At zero the end of the second bar is in the post; elsewhere mostly not. COL001 warns of a deep overlap."""
     deep = make_box("post", "0.05 0.05 0.05", "0.75 0 0.2") + make_hinge("base", "post", "0 0 0")
@@ -292,6 +308,9 @@ def test_a_collision_in_the_default_state_alone_is_an_info(tmp_path: Path) -> No
     (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=post))
     assert (finding.message_id, finding.severity) == ("default", Severity.INFO)
     assert "post and fore (1 mm)" in finding.message
+    also = post + deep.replace('"post"', '"beam"').replace("to_post", "to_beam").replace("0.75 0 0.2", "0.7 0 0.2")
+    (beside,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS + pair("base", "fore", "User"), make_two_bars(more=also))
+    assert "of arm, beside 1 that COL001 reports, but" in beside.message
 
 
 def test_of_two_descriptions_it_is_enough_that_one_disables_a_pair(tmp_path: Path) -> None:

@@ -68,6 +68,21 @@ def test_a_shape_without_volume_is_an_error_where_it_collides(tmp_path: Path, sh
 
 
 @pytest.mark.parametrize(
+    ("radius", "repair"),
+    [
+        ("-0.1", "write radius without the minus sign; to flip"),
+        ("${0.1 - 0.2}", "make ${0.1 - 0.2} positive, or what it computes with; to flip"),
+    ],
+)
+def test_a_negative_size_that_is_computed_has_no_minus_sign_to_delete(tmp_path: Path, radius: str, repair: str) -> None:
+    text = robot(link("a", geometry("collision", f'<sphere radius="{radius}"/>')))
+    text = text.replace("<robot ", '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" ')
+    (finding,) = find(tmp_path, text, "GEO001", name="r.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
     ("targets", "severity"),
     [
         ((), Severity.WARNING),
@@ -186,6 +201,23 @@ def test_a_drawing_beside_the_model_that_is_loaded_needs_no_collision(
         "arm.urdf": robot(arm),
     }
     assert [finding.message_id for finding in find(tmp_path, files, "GEO002", name="arm.urdf")] == [message]
+
+
+@pytest.mark.parametrize(
+    ("folder", "name", "message"),
+    [("urdf", "arm", "none"), ("test", "arm", "drawing"), ("urdf", "bluerov", "drawing")],
+)
+def test_a_model_of_tests_and_one_that_swims_may_touch_nothing(
+    tmp_path: Path, folder: str, name: str, message: str
+) -> None:
+    (tmp_path / folder).mkdir()
+    arm = link("tool", box("visual")) + joint("j", "base", "tool", kind="continuous")
+    (tmp_path / folder / "arm.srdf").write_text(
+        f'<robot name="{name}"><group name="g"><joint name="j"/></group></robot>'
+    )
+    text = robot(link("base", box("visual")), arm, name=name)
+    (finding,) = find(tmp_path / folder, text, "GEO002", name="arm.urdf")
+    assert finding.message_id == message
 
 
 @pytest.mark.parametrize(("bare", "messages"), [(("left", "right"), {"between"}), (("left",), {"missing"})])
@@ -423,6 +455,29 @@ def test_what_one_link_draws_another_that_is_fixed_to_it_may_collide_with(tmp_pa
     base = link("base", box("visual", "1 1 1"))
     assert find(tmp_path / "a", robot(foot + base + make_joint("foot", "base", "revolute", "0 0 1")), "GEO003")
     assert not find(tmp_path / "b", robot(foot + base + make_joint("foot", "base", "fixed", "0 0 1")), "GEO003")
+
+
+@pytest.mark.parametrize(
+    ("drawn", "message"),
+    [
+        (("0.28 0.25 0.1", "0.3 0.2 0.1", "0.2 0.2 0.2"), "token"),
+        (("0.28 0.25 0.1", "0.28 0.25 0.1", "0.28 0.25 0.1"), "size"),  # of one macro
+        (("0.28 0.25 0.1", "0.3 0.2 0.1"), "size"),
+    ],
+)
+def test_a_small_box_in_several_different_parts_is_a_token(
+    tmp_path: Path, drawn: tuple[str, ...], message: str
+) -> None:
+    links = [
+        link(
+            str(i), geometry("visual", f'<box size="{size}"/>') + geometry("collision", '<box size="0.01 0.01 0.01"/>')
+        )
+        for i, size in enumerate(drawn)
+    ]
+    joints = [joint(f"j{i}", "0", str(i), kind="continuous", xyz=f"{i} 0 0") for i in range(1, len(drawn))]
+    findings = find(tmp_path, robot(*links, *joints), "GEO003")
+    assert {f.message_id for f in findings} == {message}
+    assert all(f.fix is not None and f.fix.title.startswith("nothing if so little of it") for f in findings)
 
 
 @pytest.mark.parametrize("role", ["visual", "collision"])

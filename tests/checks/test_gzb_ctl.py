@@ -154,7 +154,8 @@ def test_plugins_with_one_successor_share_its_advice(tmp_path: Path) -> None:
     body = "".join(f'<gazebo><plugin name="p" filename="{name}"/></gazebo>' for name in names)
     (finding,) = find(tmp_path, robot(ARM, body), "GZB002")
     assert finding.fix is not None
-    assert finding.fix.title.startswith("replace gazebo_ros_camera, gazebo_ros_ray_sensor by the <sensor> alone")
+    stay = "nothing for a robot that stays with Classic; to migrate, "
+    assert finding.fix.title.startswith(f"{stay}replace gazebo_ros_camera, gazebo_ros_ray_sensor by the <sensor> alone")
     assert finding.fix.title.endswith("; gazebo_ros_p3d by gz-sim-odometry-publisher-system")
     assert finding.headline == "3 plugins are Gazebo Classic only: gazebo_ros_camera and 2 more"
 
@@ -342,6 +343,45 @@ def test_friction_of_a_joint_is_not_moved_to_a_link_that_has_it_or_cannot_have_i
     assert finding.fix.title == repair
 
 
+def test_a_sensor_that_names_a_merged_shape_follows_its_new_name(tmp_path: Path) -> None:
+    watch = "<contact><collision>base_fixed_joint_lump__foo</collision></contact>"
+    bumper = f'<sensor name="bumper" type="contact">{watch.replace("foo", "NAME")}</sensor>'
+    (plain,) = find(tmp_path, robot(MERGED + block("named", "<mu1>1</mu1>")), "GZB003")
+    name = plain.data["name"]
+    body = block("named", "<mu1>1</mu1>" + bumper.replace("base_fixed_joint_lump__NAME", name))
+    (finding,) = find(tmp_path, robot(MERGED + body), "GZB003")
+    assert plain.fix is not None
+    assert finding.fix is not None
+    assert plain.fix.title.endswith("use the link's name (named)")
+    assert finding.fix.title.endswith("; then write the new name of the shape also in the <collision> of sensor bumper")
+
+
+def test_a_force_torque_sensor_beside_a_plugin_stays_with_its_joint(tmp_path: Path) -> None:
+    body = block("j", '<sensor name="s" type="force_torque"/><plugin name="p" filename="libp.so"/>')
+    (finding,) = find(tmp_path, robot(MERGED + body), "GZB003")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("keep the joint for the force_torque sensor")
+    assert "to the block of the link (tip)" in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("typed", "otherwise"),
+    [
+        ("IMU", "if this Gazebo type is meant, write sensor_msgs/msg/Imu as the ROS type"),
+        ("Imu", "if gz.msgs.IMU is meant, write that, and sensor_msgs/msg/Imu as the ROS type"),
+    ],
+)
+def test_of_two_types_of_a_bridge_either_may_be_wrong(tmp_path: Path, typed: str, otherwise: str) -> None:
+    entry = f"topic_name: t, ros_type_name: sensor_msgs/msg/Image, gz_type_name: gz.msgs.{typed}"
+    (tmp_path / "bridge.yaml").write_text(f"- {{{entry}}}\n", encoding="utf-8")
+    (tmp_path / "package.xml").write_text("<package><name>car</name></package>", encoding="utf-8")
+    (tmp_path / "car.urdf").write_text('<robot name="car"><link name="base"/></robot>', encoding="utf-8")
+    (finding,) = check(tmp_path, codes={"GZB005"}).findings
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title == f"write gz.msgs.Image; {otherwise}"
+
+
 def test_settings_of_a_link_among_those_of_a_merged_joint_are_said_to_be_its(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(MERGED + block("j", "<mu1>1</mu1><stopCfm>0</stopCfm>")), "GZB003")
     assert finding.fix is not None
@@ -479,7 +519,29 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
     body = block("tip", sensor(kind, RATE + "<gz_frame_id>tip_link</gz_frame_id>"))
     (finding,) = find(tmp_path, robot(MERGED, eye, body), "GZB004")
     assert finding.fix is not None
-    assert finding.fix.title == f"write {meant}"
+    assert finding.fix.title == f"write {meant}" + ("" if meant == "tip" else ", unless a program publishes tip_link")
+
+
+@pytest.mark.parametrize(
+    ("link_name", "more", "found"),
+    [
+        ("/eye", "", []),
+        ("rover/eye", "", []),
+        (
+            "rover/eye",
+            '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"/></gazebo>',
+            ["frame-elsewhere"],
+        ),
+        ("rover_eye", "", ["frame-elsewhere"]),
+    ],
+)
+def test_a_frame_may_get_the_namespace_of_the_links(
+    tmp_path: Path, link_name: str, more: str, found: list[str]
+) -> None:
+    body = block(link_name, sensor("imu", RATE + "<frame_name>eye</frame_name>"))
+    joints = fixed("j", "base", link_name)
+    text = robot(link("base"), link(link_name), joints, body, more)
+    assert [f.message_id for f in find(tmp_path, text, "GZB004")] == found
 
 
 def test_a_frame_that_a_macro_computes_is_repaired_in_its_terms(tmp_path: Path) -> None:
@@ -567,7 +629,7 @@ def test_a_sensor_in_a_block_without_effect_is_left_to_that_block(
         ("ros_type_name: mine/msg/Bool2, gz_type_name: gz.msgs.Boolean", [], []),
         ("ros_type_name: $(var type), gz_type_name: gz.msgs.Boolean", [], []),
         ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Bool", ["gz-type"], ["gz.msgs.Boolean"]),
-        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Double", ["pair"], ["gz.msgs.Boolean"]),
+        ("ros_type_name: std_msgs/msg/Bool, gz_type_name: gz.msgs.Double", ["pair"], []),
         ("ros_type_name: std_msgs/Bool, gz_type_name: gz.msgs.Boolean", ["ros-type"], ["std_msgs/msg/Bool"]),
         ("ros_type_name: sensor_msgs/msg/CompressedImage, gz_type_name: gz.msgs.Image", ["compressed"], []),
         ("ros_type_name: std_msgs/msg/Bool, gz_type_name: Boolean", ["prefix"], ["gz.msgs.Boolean"]),
@@ -851,7 +913,9 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
 
 
-@pytest.mark.parametrize(("name", "severity"), [("caster", Severity.INFO), ("basee", Severity.WARNING)])
+@pytest.mark.parametrize(
+    ("name", "severity"), [("caster", Severity.INFO), ("base_1_base", Severity.INFO), ("basee", Severity.WARNING)]
+)
 def test_the_colour_of_an_unknown_part_is_a_note(tmp_path: Path, name: str, severity: Severity) -> None:
     block = f'<gazebo reference="{name}"><material>Gazebo/Black</material></gazebo>'
     (finding,) = find(tmp_path, robot(link("base"), block), "GZB001")

@@ -96,6 +96,13 @@ def test_a_lower_limit_above_the_default_upper_one_is_inverted(tmp_path: Path) -
         ),
         ('lower="-1" upper="-2"', 'lower="1" upper="2"', "swap the two: lower -2, upper -1", True),
         ('lower="1" upper="-2"', "", "swap the two: lower -2, upper 1", True),
+        (
+            'lower="0" upper="-2"',
+            "",
+            "swap the two: lower -2, upper 0; or upper 2 if its minus sign is too much",
+            False,
+        ),
+        ('lower="2" upper="0"', "", "swap the two: lower 0, upper 2; or lower -2 if its minus sign is missing", False),
     ],
 )
 def test_limits_of_one_sign_may_lack_a_minus_sign(
@@ -590,14 +597,23 @@ def test_the_limits_of_the_first_leader_are_to_be_narrowed(tmp_path: Path) -> No
     assert finding.fix.title == "set the limits of j to -2 … 2 rad, narrow those of m, or correct multiplier and offset"
 
 
-@pytest.mark.parametrize(("multiplier", "leaves"), [("1", False), ("-1", False), ("1.0009", False), ("1.01", True)])
-def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, leaves: bool) -> None:
+@pytest.mark.parametrize(
+    ("multiplier", "found"),
+    [
+        ("1", []),
+        ("-1", []),
+        ("1.0009", []),
+        ("1.01", [("slight", Severity.INFO)]),
+        ("1.09", [("slight", Severity.INFO)]),
+        ("1.11", [("range", Severity.WARNING)]),
+    ],
+)
+def test_a_follower_stays_within_its_limits(tmp_path: Path, multiplier: str, found: list[tuple[str, Severity]]) -> None:
     text = make_three_links(
         make_joint(follows("k", f'multiplier="{multiplier}"')), make_joint(LIMIT, name="k", child="c")
     )
     findings = find(tmp_path, text, "JNT009")
-    assert bool(findings) == leaves
-    assert all(f.severity == Severity.WARNING for f in findings)
+    assert [(f.message_id, f.severity) for f in findings] == found
 
 
 def origin(rpy: str, xyz: str = "0 0 0") -> str:
@@ -981,6 +997,24 @@ def test_most_joints_of_a_limb_turn_through_their_stops(
     assert finding.severity == severity
     assert finding.fix is not None
     assert finding.fix.title.startswith("make" if severity == Severity.WARNING else "delete")
+
+
+def test_wheels_have_no_stops_whatever_their_limits(tmp_path: Path) -> None:
+    """Four wheels and two hinges of a car, all with the limits of one exporter."""
+    names = (
+        "left_rear_wheel",
+        "right_rear_wheel",
+        "left_front_wheel",
+        "right_front_wheel",
+        "left_hinge",
+        "right_hinge",
+    )
+    limit = '<limit lower="-1" upper="1" effort="1" velocity="1"/>'
+    joints = [joint(f"{name}_joint", "b", name, limit, kind="continuous") for name in names]
+    (finding,) = find(tmp_path, robot(link("b"), *map(link, names), *joints), "JNT008")
+    assert finding.severity is Severity.INFO
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete lower and upper")
 
 
 def test_the_wheels_of_a_mobile_arm_are_not_joints_of_its_limb(tmp_path: Path) -> None:

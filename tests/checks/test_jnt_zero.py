@@ -49,6 +49,19 @@ def test_zero_and_the_range(tmp_path: Path, limit: str, message: str | None, at:
     assert all(f.location.subject.endswith(f"@{at}" if at else "limit") for f in findings)
 
 
+@pytest.mark.parametrize(
+    ("limit", "message"),
+    [
+        ('lower="0.002" upper="0.031"', "near"),
+        ('lower="0.006" upper="0.031"', "outside"),
+        ('lower="0.002" upper="0.006"', "outside"),
+    ],
+)
+def test_fingers_that_never_quite_close_are_near(tmp_path: Path, limit: str, message: str) -> None:
+    (finding,) = find_zero(tmp_path, limit, kind="prismatic")
+    assert finding.message_id == message
+
+
 def test_where_it_is_not_zero_that_counts(tmp_path: Path) -> None:
     out = 'lower="0.5" upper="2"'
     assert not find_zero(tmp_path / "a", out, kind="continuous")

@@ -107,6 +107,13 @@ def test_casters_do_not_end_at_the_height_of_the_wheels(
     assert finding.location.subject.startswith("joint[caster_0_joint]")
 
 
+def test_casters_at_two_heights_have_two_distances(tmp_path: Path) -> None:
+    (finding,) = find(tmp_path, cart(casters=("0.12 0 0.002", "-0.12 0 0.005")), RULES)
+    assert "caster_0 (8 mm), caster_1 (5 mm) end below the lowest points" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title == "move each up by its distance: caster_0 (8 mm), caster_1 (5 mm)"
+
+
 def test_a_robot_whose_weight_is_about_above_the_axle_leans_until_its_caster_touches(tmp_path: Path) -> None:
     """The wheels are round: no edge of what stands for them holds the robot on the way."""
     text = cart(casters=("0.12 0 0.03",), body="0 0 0.2").replace('xyz="0 0 0.1"', 'xyz="0.002 0 0.1"')

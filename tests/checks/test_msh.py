@@ -202,6 +202,8 @@ def test_consequences_are_told_of_programs_whose_loader_was_asked(tmp_path: Path
     }
     bad = find_broken(tmp_path, "part.obj", CORNERS + "f 1 2 9\n")
     assert bad.message_id == "refused"
+    cut = find_broken(tmp_path, "part.obj", "mtllib part.mtl\n" + CORNERS + "f 1 2 3\nf 1\nf 2//2\n# 1.")
+    assert (cut.message_id, cut.severity) == ("lenient", Severity.WARNING)
     assert "not tried" in bad.consequences["mujoco"]
     assert "not tried" in bad.consequences["drake"]
 

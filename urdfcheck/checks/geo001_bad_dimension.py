@@ -109,7 +109,13 @@ def _check_dimensions(
         if shape.kind == "sphere":
             reactions["pinocchio"] = INSIDE_OUT
         positive = " ".join(word.removeprefix("-") for word in attribute.typed.split())
-        yield rule.finding("negative", at=attribute, edits=edit_numbers(attribute, positive), **data)
+        # What an expression computes has no minus sign to delete.
+        repair = (
+            f"write {attribute.name} without the minus sign"
+            if attribute.literal
+            else f"make {attribute.typed} positive, or what it computes with"
+        )
+        yield rule.finding("negative", at=attribute, edits=edit_numbers(attribute, positive), repair=repair, **data)
     elif zero and mesh:
         severity = Severity.WARNING if shape.role == "visual" else None
         yield rule.finding("flattened", at=attribute, severity=severity, axes=", ".join(zero), **data)

@@ -13,12 +13,14 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.ground.support_polygon import LEG
+from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.fixed_base import HANDLING_NAME
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
 from urdfcheck.model.stated_reasons import has_commented_child
 from urdfcheck.model.use.simulators import is_left_aside, is_started_in_simulator
+from urdfcheck.model.use.test_files import is_of_tests
 from urdfcheck.model.wheel_names import WHEEL_NAME
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
@@ -31,6 +33,7 @@ _SHOWN_NAME = re.compile(r"virtual|dummy|marker|indicator", re.IGNORECASE)
 _NO_MASS = 1e-3
 # What MuJoCo does where the file tells it to keep visuals (checked with MuJoCo 4.0).
 _UNUSED = "No SRDF was found in its package, and no file there names the model beside a simulator"
+_OF_TESTS = "It is in a folder of tests, which may need none"
 _KEPT = "draws the link, but nothing touches it"
 
 
@@ -52,14 +55,22 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
         is_fixed = model.tree.order[0] == "world"
         is_simulated = _has_inertials(model, moving) and is_started_in_simulator(model)
         is_used = semantic_descriptions(model) or (is_simulated and not is_fixed)
+        swims = find_submersible_name(model)
+        is_meant = is_of_tests(model) or swims is not None
         yield rule.finding(
-            "aside" if is_left_aside(model) else "none" if is_used else "drawing",
+            "aside" if is_left_aside(model) else "none" if is_used and not is_meant else "drawing",
             at=model.name_location,
             severity=Severity.INFO,
             robot=model.name,
             what=what,
             bodies=len(moving),
-            why="It is fixed to the world, so that it needs nothing to stand on" if is_simulated else _UNUSED,
+            why=_OF_TESTS
+            if is_of_tests(model)
+            else f"The name {swims} suggests that it swims, where it may touch nothing"
+            if swims is not None
+            else "It is fixed to the world, so that it needs nothing to stand on"
+            if is_simulated
+            else _UNUSED,
         )
         return
     bare = [body for body in moving if not has_collision_geometry(model, body)]

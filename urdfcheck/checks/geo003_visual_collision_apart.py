@@ -40,6 +40,8 @@ _OWN = 0.5
 _ABOUT = 0.1
 # Boxes with edges that agree to this share are about one shape.
 _SAME_SHAPE = 0.1
+# So many other drawings with the same primitives show that these stand for parts that hardly touch anything.
+_OTHER_TOKENS = 2
 # A scale changes all edges of a box: those that agree to this factor had none.
 _SAME_EDGE = 1.1
 
@@ -174,7 +176,8 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
                 continue
             units = _guess_unit_mismatch(pair.ratio)
             owner = None if units else _find_owner(model, body, link)
-            is_token = message == "size" and not units and _is_token(model, link, pair)
+            is_stand_in = message == "size" and not units and _is_stand_in(link, pair)
+            alike = _describe_like_tokens(model, link) if is_stand_in else ""
             keeps_room = message == "size" and not units and owner is None and _keeps_room(link, pair)
             meant = _find_drawn_neighbour(model, body, link, pair) if message == "apart" and owner is None else None
             repair = _describe_repair(message, pair, owner)
@@ -185,6 +188,8 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
                     f"exchange the <collision> of {names}, with origins that leave both in place at rest, "
                     f"if each is the other's; otherwise {repair}"
                 )
+            elif is_stand_in:
+                repair = f"nothing if so little of it is to touch anything; otherwise {repair}"
             elif keeps_room:
                 repair = f"nothing if more room is meant to be kept; otherwise {repair}"
             elif meant is not None:
@@ -194,13 +199,14 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
                     f"move it to {around.name}, which is drawn there, if it is meant for that link; otherwise {repair}"
                 )
             yield rule.finding(
-                "token" if is_token else message,
+                "token" if alike else message,
                 at=_locate(link, message),
                 severity=Severity.INFO
-                if is_token or meant is not None or (keeps_room and len(link.collisions) > 1)
+                if alike or meant is not None or (keeps_room and len(link.collisions) > 1)
                 else None,
                 cause="units" if units else "neighbour" if owner else "exchanged" if exchanged else None,
                 repair=repair,
+                alike=alike,
                 owner=owner.link.name if owner else exchanged.name if exchanged else "",
                 twin=owner.twin if owner else "",
                 **_collect_data(link, pair, units),
@@ -267,24 +273,45 @@ def _keeps_room(link: Link, pair: _BoxPair) -> bool:
     return is_around and all(shape.kind != "mesh" for shape in shapes)
 
 
-def _is_token(model: Model, link: Link, pair: _BoxPair) -> bool:
-    """Whether a link that carries others has a small primitive inside what it draws, and its counterpart has the same: the author
-    chose what touches."""
+def _is_stand_in(link: Link, pair: _BoxPair) -> bool:
+    """Whether what collides is smaller, and primitives inside what the link draws, or at its origin, where nothing was placed."""
+    if pair.ratio >= 1.0 or any(shape.kind == "mesh" for shape in link.collisions):
+        return False
+    inside = (pair.visual_box[0] <= pair.collision_box[0]).all() and (pair.collision_box[1] <= pair.visual_box[1]).all()
+    return bool(inside) or all(not any(shape.origin.xyz or ()) for shape in link.collisions)
+
+
+def _list_drawings(link: Link) -> tuple[object, ...]:
+    """List what a link draws, wherever."""
+    return tuple(
+        (shape.kind, shape.size, "" if shape.mesh_filename is None else shape.mesh_filename.value)
+        for shape in link.visuals
+    )
+
+
+def _describe_like_tokens(model: Model, link: Link) -> str:
+    """Say which other links have the small primitives of a link, so that the author chose what touches: the counterpart of a link
+    that carries others, or several that draw other things; nothing without them."""
     from urdfcheck.model.likeness.mirror_pairs import mirror_pairs  # loaded only where a finding is made
 
-    inside = (pair.visual_box[0] <= pair.collision_box[0]).all() and (pair.collision_box[1] <= pair.visual_box[1]).all()
-    is_carrier = any(joint.is_movable for joint in model.tree.child_joints[link.name])
-    if not inside or not is_carrier or any(shape.kind == "mesh" for shape in link.collisions):
-        return False
+    sizes = [(shape.kind, shape.size) for shape in link.collisions]
+    like = {
+        other.name
+        for other in model.links
+        if other is not link and other.visuals and [(shape.kind, shape.size) for shape in other.collisions] == sizes
+    }
+    # One macro makes wheels that all have one slip: only different parts show a choice.
+    drawings = {_list_drawings(model.link_by_name[name]) for name in like} - {_list_drawings(link)}
+    if len(drawings) >= _OTHER_TOKENS:
+        return f"as those of {len(like)} other links"
+    if not like or not any(joint.is_movable for joint in model.tree.child_joints[link.name]):
+        return ""
     try:
         known = mirror_pairs(model)
     except FactUnavailableError:
-        return False  # an origin elsewhere is malformed
-    twins = [
-        names[1] for one in known for names in ((one.one, one.other), (one.other, one.one)) if names[0] == link.name
-    ]
-    sizes = [shape.size for shape in link.collisions]
-    return any([shape.size for shape in model.link_by_name[twin].collisions] == sizes for twin in twins)
+        return ""  # an origin elsewhere is malformed
+    twins = {name for pair in known if link.name in (pair.one, pair.other) for name in (pair.one, pair.other)}
+    return "as on the other side of the robot" if twins & like else ""
 
 
 @dataclass(frozen=True, slots=True)

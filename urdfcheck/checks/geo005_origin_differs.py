@@ -16,6 +16,11 @@ _NEAR, _NEARER = 0.25, 3.0
 # So many links are drawn rotated alike on purpose.
 _VIEWED = 3
 _EITHER = "copy the <origin> of the <visual> to the <collision>, or vice versa, whichever is right"
+# One shape may stand for several that are drawn.
+_FEWER = (
+    "give each of the {} visuals of this shape a <collision>, or one that covers them all; "
+    "copy the <origin> of a <visual> only if just that is to collide"
+)
 _BOTH = (
     "if what is drawn is right, move <collision> and <inertial> there; "
     "otherwise copy the <origin> of the <collision> to the <visual>"
@@ -40,6 +45,7 @@ def check(
         nearer = _compare_com_distances(model, displaced.link)
         is_com_there = nearer >= _NEARER and not _has_typed_com(displaced)
         is_viewed = displaced.link.name in viewed
+        is_for_several = displaced.counts[0] > displaced.counts[1]
         is_wide = displaced.moved > apart or (is_known and displaced.turned > rotated)
         yield rule.finding(
             "differs",
@@ -53,9 +59,15 @@ def check(
             if is_com_there
             else None,
             # The COM is on the side of the collision: to move that would spoil it.
-            edits=displaced.propose_edits() if is_known and nearer <= 1.0 else (),
+            edits=displaced.propose_edits() if is_known and nearer <= 1.0 and not is_for_several else (),
             severity=Severity.WARNING if is_wide and not is_viewed else None,
-            repair=_DRAWING if is_viewed else _BOTH if is_com_there else _EITHER,
+            repair=_DRAWING
+            if is_viewed
+            else _FEWER.format(displaced.counts[0])
+            if is_for_several
+            else _BOTH
+            if is_com_there
+            else _EITHER,
             link=displaced.link.name,
             mesh=collision.what,
             shape=f"mesh {collision.what}" if collision.shape.kind == "mesh" else collision.what,

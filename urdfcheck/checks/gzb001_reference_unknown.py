@@ -66,14 +66,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             meant = _list_meant(model, free, uses)
             near = _find_by_suffix(name, meant) or find_only_near_name(name, meant, SLIP_LIKENESS)
             hint = _hint_fixed_joint(model, free, uses) or format_name_hint(name, meant)
-            # Of a part that the robot lacks, a colour is nothing that a simulation misses.
+            # A colour is nothing that a simulation misses, unless a slip in the name shows what it is for.
             is_colour = {child.tag for use in uses for child in use.owner.children} == {"material"}
             is_lost_colour = is_colour and near is None and not hint
             yield rule.finding(
                 # What xacro wrote is not where a name is corrected.
                 "colour" if is_lost_colour and model.source.is_output_of_xacro else "unknown",
                 at=uses[0],
-                severity=Severity.INFO if is_lost_colour else None,
+                severity=Severity.INFO if is_colour and near is None else None,
                 related=[*uses[0].collect_definitions(), *uses[1:]],
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,

@@ -111,6 +111,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             if not _CLASSIC_REPLACEMENTS.keys().isdisjoint(old) and starts_classic(model)
             else _describe_replacements(plugins, _list_new_systems(gazebo))
         )
+        if not old and not _is_for_successor(model):
+            replacement = f"nothing for a robot that stays with Classic; to migrate, {replacement}"
         is_missed = (bool(old) and not is_only_displayed(model)) or _is_for_successor(model)
         # What xacro wrote and nothing loads misses no plugin.
         severity = None if is_missed and not is_left_output(model.source) else Severity.INFO

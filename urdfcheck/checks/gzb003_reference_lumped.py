@@ -46,8 +46,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         joint = model.joint_by_name.get(name)
         yield from _check_preserve_flag(model, rule, block)
         if name in model.link_by_name:
-            yield from _check_surface_settings(rule, "collision", block, blocks, shapes=collisions[name])
-            yield from _check_surface_settings(rule, "visual", block, blocks, shapes=visuals[name])
+            yield from _check_surface_settings(model, rule, "collision", block, blocks, shapes=collisions[name])
+            yield from _check_surface_settings(model, rule, "visual", block, blocks, shapes=visuals[name])
         elif joint is not None:
             tags = {child.tag for child in block.children}.difference(PRESERVE)
             if tags & (_COLLISION | _VISUAL) and tags <= _COLLISION | _VISUAL | _BODY:
@@ -108,10 +108,23 @@ def _build_lost_finding(
         child=joint.child,
         body=reduction.body_by_link[joint.child],
         content=_format_tags(lost),
-        links=join_names(dict.fromkeys(model.joint_by_name[name].child for name in names)),
+        repair=_describe_content_repair(model, blocks),
         meant=f"; {of_links} are for a link: write them in its block" if of_links else "",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(block.subject for block in blocks)))
+
+
+def _describe_content_repair(model: Model, blocks: list[Element]) -> str:
+    """Say where plugins and the sensors of links belong; a force-torque sensor among them stays with the joint."""
+    links = join_names(dict.fromkeys(model.joint_by_name[block.get("reference")].child for block in blocks))
+    sensors = [sensor for block in blocks for sensor in block.find_children("sensor")]
+    if any(sensor.get("type").strip() == "force_torque" for sensor in sensors):
+        return (
+            "keep the joint for the force_torque sensor (<preserveFixedJoint>true</preserveFixedJoint>; the link below needs "
+            f"a mass), and move the rest to the block of the link ({links}), "
+            "or for a plugin of the whole robot to one without reference"
+        )
+    return f"write the name of the link instead: {links}, or no reference for a plugin of the whole robot"
 
 
 def _build_surface_finding(model: Model, rule: Rule, block: Element, *, joint: Joint, tags: set[str]) -> Finding:
@@ -140,7 +153,7 @@ def _describe_surface_repair(model: Model, joint: Joint, tags: set[str]) -> str:
 
 
 def _check_surface_settings(
-    rule: Rule, role: str, block: Element, blocks: list[Element], *, shapes: tuple[list[MergedShape], int]
+    model: Model, rule: Rule, role: str, block: Element, blocks: list[Element], *, shapes: tuple[list[MergedShape], int]
 ) -> Iterator[Finding]:
     """Report settings that do not reach all collisions, or all visuals, of a link."""
     lost, count = shapes
@@ -164,9 +177,33 @@ def _check_surface_settings(
             role=role,
             name=first.name,
             names=f"the name of the {role}" if len(lost) == 1 else f"the names of its {len(lost)} {role}s",
+            users=_describe_users(model, lost),
             some="" if len(lost) == count else f" for {len(lost)} of {count}",
             merged=f" is merged into {first.body} and" if merged else "",
         )
+
+
+def _describe_users(model: Model, shapes: list[MergedShape]) -> str:
+    """Say which sensors name shapes by their names in SDF, which a repair changes."""
+    names = {shape.name for shape in shapes}
+    users = [
+        element
+        for block in model.robot.find_children("gazebo")
+        for element in block.walk()
+        if element.text.strip().rpartition("::")[2] in names
+    ]
+    if not users:
+        return ""
+    parents = [_find_named_parent(user) for user in users]
+    whose = join_names(dict.fromkeys(f"{one.tag} {one.get('name')}" for one in parents if one is not None))
+    return f"; then write the new name of the shape also in the <{users[0].tag}> of {whose}" if whose else ""
+
+
+def _find_named_parent(element: Element) -> Element | None:
+    above = element.parent
+    while above is not None and not (above.tag in _FUNCTIONAL_TAGS and above.get("name")):
+        above = above.parent
+    return above
 
 
 def _is_set_by_body(setting: Element, blocks: list[Element], shapes: list[MergedShape]) -> bool:
@@ -230,7 +267,9 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
         above = model.tree.parent_joint.get(link.name)
         fixed = above is not None and above.type == "fixed"
         # Kept above a link without a mass, the joint makes sdformat drop the link.
-        alone = fixed and block.children == [flag] and _get_mass(model, link.name) > 0.0
+        has_mass = _get_mass(model, link.name) > 0.0
+        massless = "" if has_mass else f"; {link.name} needs a mass then"
+        alone = fixed and block.children == [flag] and has_mass
         yield rule.finding(
             "link",
             at=reference,
@@ -239,7 +278,7 @@ def _check_preserve_flag(model: Model, rule: Rule, block: Element) -> Iterator[F
             # Without a fixed joint above, nothing merges the link into another one.
             severity=None if fixed else Severity.INFO,
             link=link.name,
-            repair=f"move it to a separate block for joint {above.name}: {_BLOCK}"
+            repair=f"move it to a separate block for joint {above.name}: {_BLOCK}{massless}"
             if above is not None and fixed
             else f"delete it, or move it to a block for the fixed joint that is meant: {_BLOCK}",
         )

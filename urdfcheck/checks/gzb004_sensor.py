@@ -84,7 +84,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     folded = {name.lower(): name for name in model.link_by_name}
     taken = {sensor.reference for sensor in sensors}
     for sensor in sensors:
-        yield from _check_type(sensor, rule)
+        yield from _check_type(model, sensor, rule)
         yield from _check_update_rate(sensor, rule)
         yield from _check_frames(model, rule, sensor, folded=folded, taken=taken)
     if is_for_new_gazebo(model):
@@ -114,18 +114,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
 
 
-def _check_type(sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
+def _check_type(model: Model, sensor: GazeboSensor, rule: Rule) -> Iterator[Finding]:
     typed = sensor.element.attributes.get("type")
     if typed is None or sensor.type in _TYPES:
         return
     meant = find_only_near_name(sensor.type, _TYPES)
+    near = format_name_hint(sensor.type, _TYPES)
+    # Classic makes sensors of the types that plugins register with it.
+    is_own = (
+        not near and any(element.tag == "plugin" for element in sensor.element.walk()) and not is_for_new_gazebo(model)
+    )
     yield rule.finding(
-        "type",
+        "own-type" if is_own else "type",
         at=typed,
+        severity=Severity.INFO if is_own else None,
         edits=() if meant is None else edit_literal(typed, meant),
         sensor=sensor.name,
         type=sensor.type,
-        near=format_name_hint(sensor.type, _TYPES),
+        near=near,
     )
 
 
@@ -162,7 +168,7 @@ def _check_frames(
             continue
         if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
             continue
-        if _is_published(model, frame):
+        if _is_published(model, frame) or _may_get_prefix(model, frame):
             continue
         respelled = folded.get(frame.lower())
         meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model, taken=taken)
@@ -190,6 +196,16 @@ def _check_frames(
         )
 
 
+def _may_get_prefix(model: Model, frame: str) -> bool:
+    """Whether a link has the frame's name behind a slash: ROS drops a slash at the start, and the plugins of ROS 1 put the
+    robot's tf_prefix before the frame."""
+    if f"/{frame}" in model.link_by_name:
+        return True
+    package = model.source.package
+    is_of_ros2 = (package is not None and is_only_of_ros2(package.root)) or is_for_new_gazebo(model)
+    return not is_of_ros2 and any(name.endswith(f"/{frame}") for name in model.link_by_name)
+
+
 def _is_ignored_frame(model: Model, element: Element) -> bool:
     """Whether an element names a frame for ROS 1, in a plugin of ROS 2."""
     package, plugin = model.source.package, element.parent
@@ -202,7 +218,8 @@ def _describe_frame_repair(element: Element, frame: str, meant: str, model: Mode
     """Say what to write for a frame; for one that xacro computes, in the terms of its expression."""
     typed = read_typed_content(element, model.source.files)
     if "$" not in typed:
-        return f"write {meant}"
+        is_same_part = _strip_kind_words(meant) == _strip_kind_words(frame)
+        return f"write {meant}" if is_same_part else f"write {meant}, unless a program publishes {frame}"
     return f"write {typed}{meant.removeprefix(frame)}" if meant.startswith(frame) else f"make {typed} give {meant}"
 
 
@@ -300,7 +317,8 @@ def _check_duplicate_names(
             is_mixed = any(_has_plugin(sensor, _READS_TOPIC) for sensor in alike)
             dropped = "the second is dropped" if len(alike) == 2 else "all but the first are dropped"
             yield rule.finding(
-                "twice",
+                # Where nothing reads the topic that they share, they work.
+                "shared" if is_classic and not is_mixed else "twice",
                 severity=Severity.INFO if is_classic and not is_mixed else None,
                 consequences={"gazebo": _MIXED if is_mixed else _IN_CLASSIC} if is_classic else None,
                 at=second.attributes["name"] if include is None else Location(second.subject, include),

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
-from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint
+from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.source.package.finder import Package, PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.ros.yaml_files import read_located_yaml
@@ -137,10 +137,23 @@ def _check_types(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
         whole = ros.text.replace("/", "/msg/") if "/msg/" not in ros.text else ros.text
         meant = whole if whole in _PAIRS else find_only_near_name(ros.text, _PAIRS)
         if meant is not None:  # a newer release may bridge any other type
-            yield rule.finding("ros-type", at=ros, edits=ros.build_edits(meant), type=ros.text, meant=meant)
+            # A name that is alike is only meant if the other side agrees.
+            edits = ros.build_edits(meant) if kind in _PAIRS[meant] else ()
+            yield rule.finding("ros-type", at=ros, edits=edits, type=ros.text, meant=meant)
     elif kind not in _PAIRS[ros.text]:
         partners = _PAIRS[ros.text]
-        edits = gz.build_edits(f"gz.msgs.{partners[0]}") if len(partners) == 1 else ()
+        nearest = find_nearest_name(kind, _GZ_TYPES)
+        # Of two types that exist, either may be the wrong one.
+        is_certain = kind not in _GZ_TYPES and len(partners) == 1 and nearest in (None, partners[0])
+        edits = gz.build_edits(f"gz.msgs.{partners[0]}") if is_certain else ()
+        meant = kind if kind in _GZ_TYPES else nearest
+        others = [] if meant in partners else [name for name, names in _PAIRS.items() if meant in names]
+        ros_types = join_names(others, 3)
+        otherwise = (
+            f"; if this Gazebo type is meant, write {ros_types} as the ROS type"
+            if meant == kind
+            else f"; if gz.msgs.{meant} is meant, write that, and {ros_types} as the ROS type"
+        )
         yield rule.finding(
             "pair" if kind in _GZ_TYPES else "gz-type",
             at=gz,
@@ -149,6 +162,7 @@ def _check_types(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
             gz=gz.text,
             partners=" or ".join(f"gz.msgs.{name}" for name in partners),
             near=format_name_hint(kind, _GZ_TYPES),
+            otherwise=otherwise if others else "",
         )
     elif kind == gz.text:
         yield rule.finding("prefix", at=gz, edits=gz.build_edits(f"gz.msgs.{kind}"), gz=gz.text)

@@ -101,8 +101,8 @@ def _is_mirrored(model: Model, lower: float, upper: float) -> bool:
 
 
 def _describe_lost_sign(lower: float, upper: float) -> str:
-    """Return the other repair of limits with one sign, of which either may have the wrong one; nothing for others."""
-    if lower * upper <= 0:
+    """Return the other repair of limits with one sign, or of which one is zero: a sign may be wrong; nothing for others."""
+    if lower > 0.0 > upper:
         return ""
     return (
         f"; or lower {-lower:g} if its minus sign is missing"

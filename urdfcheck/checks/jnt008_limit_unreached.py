@@ -11,6 +11,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
+from urdfcheck.model.wheel_names import WHEEL_CARRIER_NAME, WHEEL_NAME
 
 # A limit of this size means "no limit".
 _ENDLESS = 1e6
@@ -79,6 +80,7 @@ def _find_stops(model: Model, joints: Sequence[Joint]) -> list[Joint]:
     All of them if most rotating joints of the robot have limits of less than a turn, like stops; or else those of the limbs of
     which that holds.
     """
+    joints = [joint for joint in joints if not _is_named_wheel(joint)]
     stops = {joint.name for joint in joints if 0 < _get_span(joint) < _TURN}
     if len(stops) < _LEAST_STOPS:
         return []
@@ -86,6 +88,12 @@ def _find_stops(model: Model, joints: Sequence[Joint]) -> list[Joint]:
         return list(joints)
     limbs = [limb for limb in _list_limbs(model) if _are_most(stops, limb)]
     return [joint for joint in joints if joint.name in stops and any(joint in limb for limb in limbs)]
+
+
+def _is_named_wheel(joint: Joint) -> bool:
+    """Whether names say that a joint turns a wheel: it has no stop, whatever its limits."""
+    words = f"{joint.name} {joint.child}"
+    return bool(WHEEL_NAME.search(words)) and not WHEEL_CARRIER_NAME.search(words)
 
 
 def _are_most(stops: AbstractSet[str], joints: Sequence[Joint]) -> bool:

@@ -14,7 +14,7 @@ from urdfcheck.source.text.xml import Attribute
 _EQUAL, _UNEQUAL = "ignores the <mimic>, with a warning", "refuses the file: a fixed joint cannot mimic one that moves"
 
 
-def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
+def check(model: Model, rule: Rule, *, slack: float, slight: float) -> Iterator[Finding]:
     for joint in model.joints:
         mimic = joint.mimic
         if mimic is None or not mimic.get("joint"):
@@ -23,7 +23,7 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         leader = model.joint_by_name.get(at.value)
         loop = _find_mimic_loop(model, joint)
         if leader is None:
-            known = model.joint_by_name.keys() - {joint.name}
+            known = {one.name for one in model.joints if one.is_movable} - {joint.name}
             near = find_only_near_name(at.value, known, SLIP_LIKENESS)
             edits = edit_value(at, near) if near is not None else []
             hint = format_name_hint(at.value, known)
@@ -46,7 +46,7 @@ def check(model: Model, rule: Rule, *, slack: float) -> Iterator[Finding]:
         elif leader.type == "fixed":
             yield rule.finding("fixed", at=at, joint=joint.name, leader=leader.name, related=[leader])
         else:
-            yield from _check_range(model, rule, joint, leader, reference=at, slack=slack)
+            yield from _check_range(model, rule, joint, leader, reference=at, slack=slack, slight=slight)
 
 
 def _find_mimic_loop(model: Model, start: Joint) -> tuple[str, ...]:
@@ -90,7 +90,7 @@ def _find_motion(model: Model, joint: Joint) -> tuple[float, float] | None:
 
 
 def _check_range(
-    model: Model, rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float
+    model: Model, rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float, slight: float
 ) -> Iterator[Finding]:
     """Report a follower whose own limits are narrower than its leader's range demands."""
     follower_range, leader_range = joint.position_range, _find_motion(model, leader)
@@ -110,10 +110,11 @@ def _check_range(
             repair = (
                 f"set {own}, narrow those of {_find_first_leader(model, leader).name}, or correct multiplier and offset"
             )
+        is_slight = beyond <= slight * (upper - lower)
         yield rule.finding(
-            "range",
+            "slight" if is_slight else "range",
             at=reference,
-            severity=Severity.WARNING,
+            severity=Severity.INFO if is_slight else Severity.WARNING,
             related=[limit for limit in (joint.limit, leader.limit) if limit is not None],
             joint=joint.name,
             leader=leader.name,

@@ -26,6 +26,10 @@ _MOCK_HARDWARE = re.compile(r"mock_components|fake_components")
 _CONTROL_PLUGIN = re.compile(r"ros2?_control|[Jj]oint[-_]?([Pp]osition|[Tt]rajectory)[-_]?[Cc]ontroller")
 
 
+# m, and a share of the range: fingers that never quite close are drawn so near to where they start (chosen).
+_NEAR_SLIDE, _MOST_NEAR = 0.005, 0.25
+
+
 def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: float) -> Iterator[Finding]:
     placed = _collect_initial_positions(model)
     outside, limiting = [], []
@@ -96,9 +100,12 @@ def _are_legs(joints: Sequence[Joint]) -> bool:
 
 
 def _is_near(joint: Joint, near: float, notable: float) -> bool:
-    """Whether zero is so near the limits that the start is hardly seen: as an angle; along a slide as a share of its range."""
+    """Whether zero is so near the limits that the start is hardly seen; along a slide also as a share of its range."""
     lower, upper = joint.position_range or (-1.0, 1.0)
-    return max(lower, -upper) < near if joint.position_unit == "rad" else _measure_share(joint) < notable
+    off, share = max(lower, -upper), _measure_share(joint)
+    if joint.position_unit == "rad":
+        return off < near
+    return share < notable or (off < _NEAR_SLIDE and share < _MOST_NEAR)
 
 
 def _measure_share(joint: Joint) -> float:

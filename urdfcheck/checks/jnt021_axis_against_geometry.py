@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # A direction counts as a coordinate axis to within half a degree.
 _SQUARE = 4e-5
+# Of the child's surface: with more of it inside other parts on the better side too, no axis frees it, and it is out of place.
+_MOST_INSIDE = 0.2
 # Joints on both sides of y = 0 are twins if their places mirror each other to this distance (m).
 _TWIN = 1e-3
 
@@ -33,10 +35,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     # One joint is off by mistake. What several joints show is how the robot is drawn.
     if len(mismatches) == 1 and not _is_bearing_drawn(model, mismatches[0]):
         yield _report_bearing(model, rule, mismatches[0])
-    sunken = [one for one in found.sunken if not _is_side_drawn(model, one.joint)]
+    nested = {one.joint for one in found.sunken if one.shares[1] > _MOST_INSIDE}
+    sunken = [one for one in found.sunken if one.joint not in nested and not _is_side_drawn(model, one.joint)]
     if len(found.sunken) == 1 and sunken:
         yield _report_sunken(model, rule, sunken[0])
-    elif len(blocked) == 1 and not _is_side_drawn(model, blocked[0].joint):
+    elif len(blocked) == 1 and blocked[0].joint not in nested and not _is_side_drawn(model, blocked[0].joint):
         yield _report_side(model, rule, blocked[0])
     if apart is not None and not (do_collisions_touch(model, apart) or _is_drawn_in_two_ways(model, apart.joint)):
         yield _report_apart(model, rule, apart)
@@ -152,11 +155,15 @@ def _describe_reversal(joint: Joint, declared: float) -> dict[str, Any]:
 
 def _report_apart(model: Model, rule: Rule, found: ApartPart) -> Finding:
     joint = model.joint_by_name[found.joint]
+    below = (link for link in model.links if joint in model.tree.find_path_to(link.name))
+    body = model.tree.list_body_links(joint.child)
+    carries = any(link.name not in body and (link.visuals or link.collisions) for link in below)
     return rule.finding(
         "apart",
         at=locate_origin_attribute(joint, "xyz"),
         joint=joint.name,
         child=joint.child,
+        moved=f"{joint.child} and all that it carries touch" if carries else f"{joint.child} touches",
         nearest=_name_drawn_link(model, joint, found.nearest),
         gap=format_length(found.gap),
         size=format_length(found.size),

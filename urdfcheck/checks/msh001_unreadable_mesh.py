@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError
 from urdfcheck.model import Link, Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.use.test_files import is_of_tests
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
 CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
@@ -27,8 +28,6 @@ MATERIAL_REPAIR = (
     "or export the mesh with its materials"
 )
 DEFAULT_REPAIR = "export, download or generate the file again"
-# The folders of files that tests read.
-_TESTS = frozenset({"test", "tests"})
 # The exporter wrote what the part has.
 _BARE_REPAIR = "delete the shape if the link only marks a frame; otherwise export the part with its surface"
 _FRAME_REPAIR = "delete the shape: {} has no mass and a fixed joint, as a frame has"
@@ -53,11 +52,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for path, uses in model.meshes.group_by_file().items():
         error, facts = model.meshes.errors.get(path), model.meshes.facts.get(path)
         if error is not None and error.reason_id not in REPORTED_ELSEWHERE:
-            message = _choose_message(error)
-            severity = Severity.WARNING if message == "unread" else None
+            message = _choose_message(error, uses[0].name)
+            severity = Severity.WARNING if message in {"unread", "lenient"} else None
             is_bare = error.reason_id == "no-facets"
             repair = _describe_bare_repair(model, uses) if is_bare else _describe_repair(error.message, error.reason_id)
-            if not _TESTS.isdisjoint(model.source.path.absolute().parts[-4:-1]):
+            if is_of_tests(model):
                 repair = f"keep it if the test needs a broken mesh; otherwise {repair}"
             yield _build_finding(
                 rule, uses, message, error.message, reason_id=error.reason_id, severity=severity, repair=repair
@@ -70,13 +69,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity, repair=repair)
 
 
-def _choose_message(error: MeshError) -> str:
+def _choose_message(error: MeshError, name: str) -> str:
     if error.reason_id in NO_MESH:
         return "unreadable"
     if error.reason_id == "external-buffer":
         return "outside"
     if error.reason_id == "unsupported" or error.assimp == "loads":
         return "unread"
+    # Of an OBJ file that names materials, Assimp was not asked; many loaders leave out a line that they do not understand.
+    if not error.assimp and error.reason_id == "malformed" and name.lower().endswith(".obj"):
+        return "lenient"
     return "refused" if error.assimp == "refuses" else "broken"
 
 

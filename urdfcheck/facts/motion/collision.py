@@ -261,6 +261,34 @@ class Colliders:
                 deepest = way
         return deepest
 
+    def do_surfaces_meet(self, frames: Array, one: int, other: int) -> bool:
+        """Whether shapes of two bodies meet otherwise than by lying wholly inside a convex mesh, whose surface they do not reach.
+
+        A convex mesh is solid here. To MoveIt's FCL it is triangles, with nothing between them.
+        """
+        mates = product(np.flatnonzero(self._owner == one).tolist(), np.flatnonzero(self._owner == other).tolist())
+        for a, b in mates:
+            at_a, at_b = self._compute_shape_pose(frames, a), self._compute_shape_pose(frames, b)
+            is_hidden = self._is_inside_mesh(a, b, at_one=at_a, at_other=at_b) or self._is_inside_mesh(
+                b, a, at_one=at_b, at_other=at_a
+            )
+            if not is_hidden and self._has_collision_at(a, b, at_one=at_a, at_other=at_b):
+                return True
+        return False
+
+    def _is_inside_mesh(self, one: int, other: int, *, at_one: Mat4, at_other: Mat4) -> bool:
+        """Whether the first of two shapes is wholly inside the second, a convex mesh."""
+        mesh = self.placed[other].geometry
+        if mesh.vertices is None or mesh.faces is None or self._is_surface(other):
+            return False
+        to_mesh = np.linalg.inv(at_other) @ at_one
+        corners = self.placed[one].geometry.corners @ to_mesh[:3, :3].T + to_mesh[:3, 3]
+        a, b, c = (mesh.vertices[mesh.faces[:, i]] for i in range(3))
+        normals = np.cross(b - a, c - a)
+        level = np.einsum("ij,ij->i", normals, a)
+        inwards = np.sign(normals @ mesh.vertices.mean(axis=0) - level)
+        return bool((((corners @ normals.T) - level) * inwards > 0.0).all(where=inwards != 0.0))
+
     def count_contacts(self, frames: Array, one: int, other: int, most: int) -> int:
         """Count coal's contacts of two bodies, up to ``most`` for each two shapes; of meshes, the triangles that cross.
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 from urdfcheck.core import Location
 from urdfcheck.core.text import join_names
@@ -37,10 +38,21 @@ def describe_uneven_reason(pose: RestPose) -> str:
         drop = next(iter(odd.values()))
         verb = "end" if len(odd) > 1 else "ends"
         side = "below" if drop > 0 else "above"
+        if _are_several_drops(pose, odd):
+            return f"{_join_drops(odd)} {verb} {side} the lowest points of the driven wheels"
         return f"{join_names(odd)} {verb} {abs(drop) * 1e3:.3g} mm {side} the lowest points of the driven wheels"
     if pose.tilt > _INCLINED:
         return "the lowest points of wheels and casters are on one plane that is inclined in the root's frame"
     return ""
+
+
+def _are_several_drops(pose: RestPose, odd: Mapping[str, float]) -> bool:
+    """Whether casters end at different heights, so that no one distance levels them."""
+    return max(odd.values()) - min(odd.values()) > pose.tolerance
+
+
+def _join_drops(odd: Mapping[str, float]) -> str:
+    return join_names(f"{name} ({abs(drop) * 1e3:.3g} mm)" for name, drop in odd.items())
 
 
 def describe_level_repair(pose: RestPose) -> str:
@@ -48,6 +60,8 @@ def describe_level_repair(pose: RestPose) -> str:
     odd = find_odd_casters(pose)
     if odd:
         drop = next(iter(odd.values()))
+        if _are_several_drops(pose, odd):
+            return f"move each {'up' if drop > 0 else 'down'} by its distance: {_join_drops(odd)}"
         return f"move {join_names(odd)} {'up' if drop > 0 else 'down'} by {abs(drop) * 1e3:.3g} mm, or the wheels the other way"
     if pose.tilt > _INCLINED:
         return "correct the rpy of the joint that inclines the body with all its wheels, or the heights of the wheels"

@@ -81,6 +81,18 @@ def measure_default_depth(model: Model, pair: CollisionPair) -> float:
     return 0.0 if overlap is None else overlap.depth
 
 
+def do_surfaces_meet_at_default(model: Model, pair: CollisionPair) -> bool:
+    """Whether the surfaces of two links that meet in MoveIt's default state meet there: to FCL, MoveIt's default checker, a mesh
+    is its triangles, and what lies wholly inside it is free.
+
+    :raises FactUnavailableError: when the collisions are not known.
+    """
+    setup = self_collisions(model).setup
+    index = {link.name: i for i, link in enumerate(setup.links)}
+    placements = setup.compute_placements(compute_default_state(model))[0]
+    return setup.colliders.do_surfaces_meet(placements, *(index[name] for name in pair.links))
+
+
 def _find_default_hits(model: Model) -> Bools:
     """Return whether each pair meets in MoveIt's default state (K,)."""
     state, collisions = compute_default_state(model), self_collisions(model)

@@ -64,6 +64,8 @@ class DisplacedCollision:
     """m"""
     turned: float
     """rad"""
+    counts: tuple[int, int]
+    """How many visuals and collisions of the link have the shape."""
 
     @property
     def has_angles_as_position(self) -> bool:
@@ -124,7 +126,8 @@ def list_displaced_collisions(
             for collision in collisions:
                 if free and not any(is_same_pose(v, collision) for v in visuals):
                     visual = min(free, key=collision.measure_difference)
-                    yield DisplacedCollision(link, visual, collision, *visual.measure_difference(collision))
+                    gap = visual.measure_difference(collision)
+                    yield DisplacedCollision(link, visual, collision, *gap, (len(visuals), len(collisions)))
 
 
 def _group_by_shape(model: Model, link: Link) -> Iterator[tuple[list[PlacedShape], list[PlacedShape]]]:

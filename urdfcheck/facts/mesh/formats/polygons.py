@@ -119,4 +119,4 @@ def _locate_bad_tokens(text: TokenizedText, tokens: Indices, name: str) -> Itera
 
 def make_bad_line_error(text: TokenizedText, token: int, name: str) -> MeshError:
     number, line = text.locate_token(token)
-    return MeshError("malformed", f"cannot be read as {name}: line {number} is {line!r}")
+    return MeshError("malformed", f"is not valid {name}: line {number} is {line!r}")

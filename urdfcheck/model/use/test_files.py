@@ -1,0 +1,15 @@
+"""Whether a model is there for tests."""
+
+from __future__ import annotations
+
+from urdfcheck.model.robot import Model
+
+# The folders of files that tests read.
+_TESTS = frozenset({"test", "tests"})
+# How far above a file they are, at most.
+_LEVELS = 3
+
+
+def is_of_tests(model: Model) -> bool:
+    """Whether a file is in a folder of tests, in which it may be as it is on purpose."""
+    return not _TESTS.isdisjoint(model.source.path.absolute().parts[-1 - _LEVELS : -1])
