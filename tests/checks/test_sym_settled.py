@@ -271,3 +271,25 @@ def test_an_angle_of_the_parents_explains_a_distance_at_the_end_of_a_lever(
                     )
                 )
     assert ("origin" in {f.message_id for f in find_places(tmp_path, *parts)}) is found
+
+
+@pytest.mark.parametrize(
+    ("odd", "drawn", "kinds"),
+    [
+        ("-0.25 -0.125 0", "0 -0.07 0", []),  # 5 mm beside its place
+        ("-0.25 -0.125 0", "0 0 0", ["origin"]),
+        ("-0.25 -0.14 0.06", "0 -0.065 -0.06", ["origin"]),  # the axle itself is elsewhere
+    ],
+)
+def test_wheels_that_are_drawn_about_mirrored_places_stay_there(
+    tmp_path: Path, odd: str, drawn: str, kinds: list[str]
+) -> None:
+    """A frame may be at another point of its axle: a new origin would move the wheel."""
+    parts = [link("base", visual(box("0.8 0.3 0.05"), xyz="0 0 0.1"))]
+    for name, x in (("front", 0.25), ("middle", 0.0), ("rear", -0.25)):
+        for side, y in (("left", 0.2), ("right", -0.2)):
+            is_odd = (name, side) == ("rear", "right")
+            wheel, place = f"{name}_{side}_wheel", odd if is_odd else f"{x} {y} 0"
+            shape = visual(cylinder(0.05, 0.03), xyz=drawn if is_odd else "", rpy="1.570796 0 0")
+            parts += [link(wheel, shape), joint(wheel, "base", wheel, kind="continuous", xyz=place, axis="0 1 0")]
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds

@@ -26,7 +26,7 @@ from urdfcheck.model.likeness.sides.lone_attributes import LoneAttribute, iter_l
 from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
 from urdfcheck.model.likeness.sides.lone_turns import LoneTurn, iter_lone_turns
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
-from urdfcheck.model.likeness.sides.settled_places import is_settled
+from urdfcheck.model.likeness.sides.settled_places import is_drawn_nearer, is_settled
 from urdfcheck.model.likeness.sides.two_pairs import may_be_two_pairs
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
@@ -113,7 +113,12 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
     yield from map(_describe_lone_turn, iter_lone_turns(model, pairs))
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
-        if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
+        if off is not None and not (
+            off.distance
+            and (
+                is_settled(model, [pair.one, pair.other], pairs) or is_drawn_nearer(model, pair, distance=off.distance)
+            )
+        ):
             yield _describe_misplaced_joint(model, off)
     yield from map(_describe_slip, iter_lone_coordinates(model))
     yield from map(_describe_lone_attribute, iter_lone_attributes(model))
