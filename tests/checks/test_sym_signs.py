@@ -648,3 +648,23 @@ def test_a_left_and_a_right_part_are_not_one_inside_the_other(
     ]
     findings = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
     assert ("coincident" in [finding.message_id for finding in findings]) == found
+
+
+@pytest.mark.parametrize(("turn", "count"), [("0 0 3.14159265", 0), ("0 0 0", 1)])
+def test_fingers_that_are_drawn_half_a_turn_apart_are_opposite_in_two_coordinates(
+    tmp_path: Path, turn: str, count: int
+) -> None:
+    """The mesh is turned, and the frame is not."""
+    parts = ["<link name='palm'/>"]
+    for side, xyz, rpy, place in (
+        ("left", "-0.024 0.045 -0.05", "0 0 0", "0.01 -0.04 -0.02"),
+        ("right", "0.024 -0.045 -0.05", turn, "-0.01 0.04 -0.02" if count == 0 else "0.01 -0.04 -0.02"),
+    ):
+        bar, tip = (
+            f'<visual><origin xyz="{at}" rpy="{rpy}"/><geometry><box size="{size}"/></geometry></visual>'
+            for at, size in ((place, "0.03 0.01 0.06"), ("0 0 -0.08", "0.01 0.02 0.02"))
+        )
+        parts.append(f'<link name="{side}_tip">{bar}{tip}</link>')
+        parts.append(joint(f"{side}_slide", "palm", f"{side}_tip", LIMIT, kind="prismatic", xyz=xyz, axis="0 1 0"))
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["diagonal"] * count

@@ -48,9 +48,9 @@ class RowSlip:
 def find_row_slips(model: Model) -> Iterator[RowSlip]:
     """Find the links of a row that differ from most, where these agree and one mistake explains the difference.
 
-    The names of a row differ in numbers only, in one where there is nothing else, joints of one type move its links, and they draw
-    parts of one shape, or nothing. The mistake has to lead to mass and principal moments of the others to within half a percent.
-    Links with a counterpart on the other side are left to those that compare the sides.
+    The names of a row differ in numbers only, in one where there is nothing else, joints of one type move its links, and they
+    draw parts of one shape, or nothing. The mistake has to lead to mass and principal moments of the others to within half a
+    percent. Links with a counterpart on the other side are left to those that compare the sides.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -101,7 +101,7 @@ def _group_by_drawing(
 
 
 def _do_draw_one_part(model: Model, one: Link, other: Link) -> bool:
-    """Whether two links draw parts of one shape, or nothing. Meshes that cannot be read have one name, apart from that of the link."""
+    """Whether two links draw parts of one shape, or nothing. Meshes that cannot be read have one name, apart from the link's."""
     alike = is_alike(model, one.name, other.name)
     return _name_meshes(one) == _name_meshes(other) if alike is None else alike
 
