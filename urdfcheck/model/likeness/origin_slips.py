@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -9,9 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.likeness.mirror import measure_outline_mismatch
+from urdfcheck.facts.likeness.mirror import measure_deviation, measure_outline_mismatch
 from urdfcheck.model.fact import fact
-from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, list_named_pairs, mirror_pairs
 from urdfcheck.model.likeness.mirrored_joints import (
     WITNESSES,
@@ -297,10 +298,9 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
 
 def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
     """Whether the links of two joints, whose origins differ in the signs of two coordinates, draw one part turned by half a turn,
-    and neither mirrored in one of the two nor as it is."""
-    first, second = (get_outline(model, joint.child) for joint in (one, other))
+    and neither mirrored in one of the two nor as it is. Where the drawings are not known, their inertials show it."""
     frames = one.origin.matrix, other.origin.matrix
-    if first is None or second is None or frames[0] is None or frames[1] is None:
+    if frames[0] is None or frames[1] is None:
         return False
     signs = np.sign(np.array(one.origin.xyz or (0.0, 0.0, 0.0)) * np.array(other.origin.xyz or (0.0, 0.0, 0.0)))
     flipped = np.flatnonzero(signs < 0.0)
@@ -308,10 +308,21 @@ def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
     for axes in ([*flipped], [flipped[0]], [flipped[1]], []):
         flip = np.eye(3)
         flip[axes, axes] = -1.0
-        linear = frames[1][:3, :3].T @ flip @ frames[0][:3, :3]
-        mismatches.append(measure_outline_mismatch(first, second, linear=linear, shift=np.zeros(3)))
+        mismatches.append(_measure_mismatch(model, one, other, frames[1][:3, :3].T @ flip @ frames[0][:3, :3]))
     turned, *others = mismatches
     return turned <= ALIKE and min(others) > DIFFERENT
+
+
+def _measure_mismatch(model: Model, one: Joint, other: Joint, linear: Array) -> float:
+    """Measure how far the child of one joint, turned or mirrored in its frame, is from that of the other; infinite where
+    that is not known."""
+    first, second = (get_outline(model, joint.child) for joint in (one, other))
+    if first is not None and second is not None:
+        return measure_outline_mismatch(first, second, linear=linear, shift=np.zeros(3))
+    numbers = [read_declared_inertial(model.link_by_name[joint.child]) for joint in (one, other)]
+    if numbers[0] is None or numbers[1] is None:
+        return math.inf
+    return measure_deviation(numbers[1], turn_inertial(numbers[0], linear, com=linear @ numbers[0].com)).worst
 
 
 def _shows_turn(pair: tuple[Joint, Joint, int, Array], joint: Joint, turn: Array) -> bool:
