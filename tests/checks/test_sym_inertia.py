@@ -143,6 +143,23 @@ def turned(rpy: tuple[float, float, float], move: tuple[float, float, float], ma
     return shape + make_lump_inertial(mass, turn @ COM + move, turn @ TENSOR @ turn.T)
 
 
+@pytest.mark.parametrize(
+    ("collides", "shift", "kinds"), [("0 0 0", 1e-4, []), ("-25 0 0", 1e-4, ["inertial"]), ("-25 0 0", 1e-12, [])]
+)
+def test_a_com_of_the_collision_mesh_is_right_where_the_visual_one_is_out_of_place(
+    tmp_path: Path, collides: str, shift: float, kinds: list[str]
+) -> None:
+    """A side whose mesh is drawn 25 m away has no COM there."""
+    parts = [link("base")]
+    for side, y, place in (("left", 0.1, "-25 0 0"), ("right", -0.1, "0 0 0")):
+        meshes = drawn(place) + collision(mesh("lump.stl"), xyz=collides if side == "left" else "0 0 0")
+        com = COM if side == "left" else COM + (shift, 0.0, 0.0)
+        parts += [link(f"{side}_part", meshes + make_lump_inertial(com=[float(f"{v:.15g}") for v in com]))]
+        parts.append(joint(side, "base", f"{side}_part", kind="continuous", xyz=f"0 {y} 0", axis="0 0 1"))
+    write_mesh(tmp_path)
+    assert [finding.message_id for finding in find(tmp_path, robot(*parts), "SYM004")] == kinds
+
+
 def test_copies_that_agree_are_fine(tmp_path: Path) -> None:
     assert not find_odd_inertia(tmp_path, make_parts_on_base(*FOUR))
 

@@ -17,6 +17,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
+from urdfcheck.model.inertials.own_com import has_com_of_own_mesh
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.likeness.identical_parts import (
@@ -40,8 +41,6 @@ MAX_PLAUSIBLE_MISS = 1.0
 MIN_CERTAIN_MISS = 0.5
 # A COM so far from the drawn part's, as a share of its size, is not that of the part alone.
 _COM_APART = 0.05
-# And one so near is (chosen: the rounding of numbers and facets).
-_SAME_COM = 1e-3
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers. Nor does it make
 # a moment ten times as large where the masses are equal to this share.
 SLIPPED_POINT, _SAME_MASS = 9.9, 0.01
@@ -62,7 +61,8 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
 def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     """Compare links that draw the same part."""
     for odd in find_odd_copies(model, note):
-        if _has_com_of_own_mesh(model, odd, note):
+        is_of_com_alone = max(odd.deviation.mass, odd.deviation.spread) < note
+        if is_of_com_alone and has_com_of_own_mesh(model, odd.link, odd.actual, odd.expected):
             continue
         verdict = _ask_drawing(model, odd, note)
         if verdict == "others":
@@ -255,23 +255,6 @@ def _has_com_apart(model: Model, comparison: CopyComparison) -> bool:
         return False
     apart = float(np.linalg.norm(comparison.actual.com - drawn.solid.com))
     return apart > _COM_APART * measure_extent(drawn.points)
-
-
-def _has_com_of_own_mesh(model: Model, odd: CopyComparison, note: float) -> bool:
-    """Whether a COM alone differs, and is that of a mesh of the link, which the others' is not: the part has another frame there,
-    or the drawing of another link was copied."""
-    if max(odd.deviation.mass, odd.deviation.spread) >= note:
-        return False
-    for role, shapes in (("visual", odd.link.visuals), ("collision", odd.link.collisions)):
-        if any(shape.mesh_filename is None for shape in shapes):
-            continue  # a box around a part says nothing about its COM
-        drawn = measure_role_geometry(model, odd.link, role)
-        if drawn is None or not drawn.closed:
-            continue
-        actual, expected = (float(np.linalg.norm(d.com - drawn.solid.com)) for d in (odd.actual, odd.expected))
-        if actual <= _SAME_COM * measure_extent(drawn.points) and expected > MIN_DEVIATION_RATIO * actual:
-            return True
-    return False
 
 
 def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:
