@@ -292,3 +292,31 @@ def test_wheels_that_are_drawn_about_mirrored_places_stay_there(
             shape = visual(cylinder(0.05, 0.03), xyz=drawn if is_odd else "", rpy="1.570796 0 0")
             parts += [link(wheel, shape), joint(wheel, "base", wheel, kind="continuous", xyz=place, axis="0 1 0")]
     assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
+@pytest.mark.parametrize(("eyes", "kinds"), [(False, []), (True, ["lone_place"])])
+def test_a_body_whose_frame_is_beside_its_middle_has_hips_at_other_distances(
+    tmp_path: Path, eyes: bool, kinds: list[str]
+) -> None:
+    """Another pair on the body shows where the middle is."""
+    parts = [link("body", visual(box("0.1 0.1 0.1")))]
+    for side, y in (("left", 0.047), ("right", -0.0094)):
+        parent = "body"
+        for part, xyz, axis in (
+            ("hip", f"0.01 {y} -0.05", "1 0 0"),
+            ("thigh", "0 0 -0.05", "0 1 0"),
+            ("shank", "0 0 -0.1", "0 1 0"),
+            ("ankle", "0 0 -0.1", "0 1 0"),
+            ("foot", "0 0 -0.02", "1 0 0"),
+        ):
+            name = f"{side}_{part}"
+            parts.append(link(name, visual(box("0.02 0.02 0.02"))))
+            parts.append(joint(f"{name}_joint", parent, name, LIMIT, kind="revolute", xyz=xyz, axis=axis))
+            parent = name
+        if eyes:
+            place = f"0.05 {math.copysign(0.024, y)} 0.05"
+            parts.append(link(f"{side}_eye", visual(box("0.01 0.01 0.01"))))
+            parts.append(
+                joint(f"{side}_eye_joint", "body", f"{side}_eye", LIMIT, kind="revolute", xyz=place, axis="0 0 1")
+            )
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
