@@ -320,3 +320,18 @@ def test_a_body_whose_frame_is_beside_its_middle_has_hips_at_other_distances(
                 joint(f"{side}_eye_joint", "body", f"{side}_eye", LIMIT, kind="revolute", xyz=place, axis="0 0 1")
             )
     assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
+@pytest.mark.parametrize(("name", "kinds"), [("mount", ["turned_pair"]), ("calibration", [])])
+def test_a_calibrated_mount_mirrors_nothing(tmp_path: Path, name: str, kinds: list[str]) -> None:
+    parts = [link("base", visual(box("0.4 0.2 0.1")))]
+    for side, y in (("left", 0.2), ("right", -0.2)):
+        for part, x in (("arm", 0.1), ("leg", -0.1), ("ear", 0.2)):
+            limb, sign = f"{side}_{part}", math.copysign(1.0, y)
+            turn = f"0 0 {0.0712 if side == 'left' else 0.0123}" if part == "arm" else "0 0 0"
+            kind = "fixed" if part == "arm" else "continuous"
+            parts.append(link(limb, visual(box("0.1 0.04 0.02"), xyz=f"0.03 {0.01 * sign} 0.02")))
+            parts.append(
+                joint(f"{side}_{part}_{name}", "base", limb, kind=kind, xyz=f"{x} {y} 0", rpy=turn, axis="0 0 1")
+            )
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds

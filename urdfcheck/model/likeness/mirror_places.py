@@ -91,9 +91,14 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
     reported: set[str] = set()
     for mistake in _iter_all_mistakes(model, pairs):
         links = {joint.child for joint in mistake.joints}
-        if not links & reported:
+        if not links & reported and not any(map(_is_measured, mistake.joints)):
             reported |= links
             yield mistake
+
+
+def _is_measured(joint: Joint) -> bool:
+    """Whether a fixed joint is named as a calibration: its numbers were measured on one robot, and mirror nothing."""
+    return joint.type == "fixed" and any(word.lower().startswith("calib") for word in split_name_words(joint.name))
 
 
 def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
