@@ -153,7 +153,7 @@ def test_a_com_of_the_collision_mesh_is_right_where_the_visual_one_is_out_of_pla
     parts = [link("base")]
     for side, y, place in (("left", 0.1, "-25 0 0"), ("right", -0.1, "0 0 0")):
         meshes = drawn(place) + collision(mesh("lump.stl"), xyz=collides if side == "left" else "0 0 0")
-        com = COM if side == "left" else COM + (shift, 0.0, 0.0)
+        com = COM + np.array((0.0 if side == "left" else shift, 0.0, 0.0))
         parts += [link(f"{side}_part", meshes + make_lump_inertial(com=[float(f"{v:.15g}") for v in com]))]
         parts.append(joint(side, "base", f"{side}_part", kind="continuous", xyz=f"0 {y} 0", axis="0 0 1"))
     write_mesh(tmp_path)
