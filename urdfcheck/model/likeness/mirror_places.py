@@ -369,6 +369,25 @@ def _describe_coincidence(one: Joint, other: Joint) -> PlaceMistake:
         "typed": "" if attribute is None else attribute.value,
         "between": _list_subjects((one, other)),
     }
+    axes = [np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in (one, other)]
+    if one.type == "prismatic" and float(axes[0] @ axes[1]) < 0.0:
+        # Neither is a leftover: the two slide apart.
+        data["repair"] = (
+            "if the two touch at zero, draw each on its own side of that plane; otherwise move their joints apart"
+        )
+        return PlaceMistake(
+            message="coincident", joints=(one, other), at=at, related=(related,), data=data, is_minor=True
+        )
+    x, y, _ = one.origin.xyz or (0.0, 0.0, 0.0)
+    signs = join_names(
+        [
+            f"{axis} for {sides}"
+            for axis, value, sides in (("y", y, "left and right"), ("x", x, "front and rear"))
+            if value
+        ]
+    )
+    move = f"flip the sign in which they should differ: {signs}" if signs else "move one of them to its place"
+    data["repair"] = f"delete one of the two if it is a leftover; else {move}"
     return PlaceMistake(message="coincident", joints=(one, other), at=at, related=(related,), data=data)
 
 
