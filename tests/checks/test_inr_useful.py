@@ -85,6 +85,16 @@ def test_a_row_is_of_parts_that_are_drawn_alike(
     assert [finding.message_id for finding in find(tmp_path, text, "SYM003")] == kinds
 
 
+@pytest.mark.parametrize(("place", "found"), [("0 0 0", False), ("0.3 0 0", True)])
+def test_a_frame_at_another_point_of_a_part_leaves_its_com_at_the_origin(
+    tmp_path: Path, place: str, found: bool
+) -> None:
+    away = replace(OF_BAR, com=np.array((0.3, 0.0, 0.0)))
+    there, here = visual(box("0.2 0.1 0.1"), xyz="0.3 0 0"), visual(box("0.2 0.1 0.1"), xyz=place)
+    text = make_row(OF_BAR, away, away, names="rod_{}", drawn=(here, there, there))
+    assert bool(find(tmp_path, text, "SYM003")) == found
+
+
 @pytest.mark.parametrize(("name", "found"), [("rod_2.stl", True), ("bracket.stl", False)])
 def test_meshes_that_are_not_there_are_compared_by_name(tmp_path: Path, name: str, found: bool) -> None:
     drawn = tuple(visual(mesh(file)) for file in ("rod_0.stl", "rod_1.stl", name))

@@ -18,7 +18,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
 )
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
-from urdfcheck.model.likeness.shape_comparison import is_alike
+from urdfcheck.model.likeness.shape_comparison import get_outline, is_alike
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
@@ -122,7 +122,7 @@ def _find_odd_ones_of_part(
             most = max(most, [(link, n) for link, n in computed if _is_same(n, first)], key=len)
     if len(most) < _FEWEST or 2 * len(most) <= len(known):
         return
-    yield from _find_odd_com(most)
+    yield from _find_odd_com(model, most)
     if len(most) == len(known):
         return
     others = tuple(link for link, _ in most)
@@ -132,9 +132,9 @@ def _find_odd_ones_of_part(
             yield RowSlip(link=link, row=others, kind=kind, mistake=mistake)
 
 
-def _find_odd_com(most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
+def _find_odd_com(model: Model, most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
     """Find the only link of some that agree in mass and moments whose COM is at another distance than those of the others, by one
-    mistake."""
+    mistake: from the frame, and from the middle of what is drawn, where that is known."""
     distances = np.array([float(np.linalg.norm(numbers.com)) for _, numbers in most])
     usual = float(compute_median(distances.tolist()))
     odd = np.flatnonzero(np.abs(distances - usual) > _SAME_COM * usual).tolist()
@@ -145,6 +145,14 @@ def _find_odd_com(most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip
     others = [one for one in most if one[0] is not link]
     right = others[0][1]
     radius = math.sqrt(float(np.trace(right.inertia)) / (2.0 * right.mass))
+    own, other = (get_outline(model, one.name) for one, _ in (most[index], others[0]))
+    if own is not None and other is not None:
+        away, usual_away = (
+            float(np.linalg.norm(com - middle))
+            for com, middle in ((numbers.com, own.centroid), (right.com, other.centroid))
+        )
+        if abs(away - usual_away) <= _FAR_COM * radius:
+            return  # the frame is at another point of the part
     if not numbers.com.any():
         mistake = "COM at the link's origin" if usual > _FAR_COM * radius else ""
     else:
