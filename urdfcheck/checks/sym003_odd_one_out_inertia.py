@@ -112,7 +112,7 @@ def _build_outlier_finding(
 
 
 def _build_majority_finding(model: Model, rule: Rule, odd: CopyComparison, *, differ: float, note: float) -> Finding:
-    """Report the copies that agree with each other, and not with the part that all draw, as one of them does."""
+    """Report the copies that agree with each other, and not with the part that all draw, while one of them does."""
     first = odd.by[0]
     back = compare_copies(model, first, odd.link, note)
     comparison = odd if back is None else back

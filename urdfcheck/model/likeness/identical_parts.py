@@ -143,7 +143,7 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
 
 
 def compare_copies(model: Model, link: Link, by: Link, threshold: float = NOTABLE_SHARE) -> CopyComparison | None:
-    """Compare a link with one of its copies; None where it is no copy.
+    """Compare a link with one of its copies; None where it is not one of them.
 
     :raises FactUnavailableError: when the tree is broken.
     """
