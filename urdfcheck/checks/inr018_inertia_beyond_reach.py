@@ -50,6 +50,8 @@ _UNREAD = {
 }
 
 
+# No two units of length are nearer than this, apart from inches and centimetres.
+_UNIT = 10.0
 _OTHERWISE = "; if these are right, the origins of the joints are wrong, which are in metres too"
 
 
@@ -212,7 +214,7 @@ def _build_finding(
         own=_format_own(farthest),
         unit=unit,
         what=placeholder or "",
-        otherwise=_OTHERWISE if is_most and not placeholder else "",
+        otherwise=_OTHERWISE if is_most and not placeholder and farthest.distance >= _UNIT * reach else "",
     )
 
 

@@ -297,8 +297,8 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
 
 
 def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
-    """Whether the links of two joints, whose origins differ in the signs of two coordinates, draw one part in two poses, half a turn apart,
-    and neither mirrored in one of the two nor as it is. Where the drawings are not known, their inertials show it."""
+    """Whether the links of two joints, whose origins differ in the signs of two coordinates, draw one part in two poses, half a
+    turn apart, and neither mirrored in one of the two nor as it is. Where the drawings are not known, their inertials show it."""
     frames = one.origin.matrix, other.origin.matrix
     if frames[0] is None or frames[1] is None:
         return False

@@ -104,8 +104,8 @@ def _find_lone_moving_place(model: Model) -> Iterator[LoneAttribute]:
 
 
 def _may_be_off_centre(pair: tuple[Joint, Joint], pairs: Sequence[tuple[Joint, Joint]]) -> bool:
-    """Whether two joints on one link differ in the coordinate alone in which they are opposite: the frame of the link may be beside
-    its middle. Another pair on the link that is opposite there, and agrees, shows that it is not."""
+    """Whether two joints on one link differ only in the coordinate in which they are opposite: the frame of the link may be
+    beside its middle. Another pair on the link that is opposite there, and agrees, shows that it is not."""
     one, other = pair
     first, second = (np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in pair)
     differs = np.abs(np.abs(first) - np.abs(second)) > _SAME["xyz"]
