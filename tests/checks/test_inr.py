@@ -776,6 +776,32 @@ def test_the_one_link_that_is_heavier_than_its_robot_can_be_is_named(
     assert finding.severity is Severity.ERROR
 
 
+@pytest.mark.parametrize(("mass", "held"), [(10000.0, True), (10123.4567, False)])
+def test_a_round_weight_under_a_robot_may_hold_it_down(tmp_path: Path, mass: float, held: bool) -> None:
+    text = robot(
+        link("support", inertial(mass, 100), visual(box("0.1 0.1 0.1"))),
+        link("arm", inertial(0.2, 0.1), visual(box("0.1 0.1 0.1"))),
+        joint("j", "support", "arm", kind="continuous", xyz="0.1 0 0"),
+    )
+    (finding,) = find(tmp_path, text, "INR015")
+    assert finding.severity is (Severity.WARNING if held else Severity.ERROR)
+    assert finding.fix is not None
+    assert ("fix it to the world" in finding.fix.title) == held
+
+
+@pytest.mark.parametrize(("mass", "unit"), [("52.83", True), ("528.3", False)])
+def test_grams_are_named_only_where_the_robot_could_weigh_as_much_in_them(
+    tmp_path: Path, mass: str, unit: bool
+) -> None:
+    """Otherwise the lengths may be wrong."""
+    body = f'{inertial(mass)}<visual><geometry><box size="0.002 0.002 0.002"/></geometry></visual>'
+    size = 0.002 if not unit else 0.02
+    (finding,) = find(tmp_path, robot(link("base", body.replace("0.002", f"{size:g}"))), "INR015")
+    assert finding.fix is not None
+    assert ("in kilograms" in finding.fix.title) == unit
+    assert "otherwise correct its lengths" in finding.fix.title
+
+
 def test_a_mesh_that_is_not_there_may_be_larger_than_what_is_seen(tmp_path: Path) -> None:
     mesh = '<visual><geometry><mesh filename="missing.stl"/></geometry></visual>'
     for mass, found in (("90000", []), ("600000", ["heavy"]), ("620000", ["dense"])):

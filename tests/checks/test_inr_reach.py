@@ -193,3 +193,12 @@ def test_an_unread_mesh_reaches_to_its_origin_at_least(tmp_path: Path) -> None:
     placed = MESH.replace("<geometry>", '<origin xyz="1.8 0 0"/><geometry>')
     assert find_far(tmp_path, make_arm(com=15.0, drawn=MESH)) != []
     assert find_far(tmp_path, make_arm(com=15.0, drawn=placed)) == []
+
+
+@pytest.mark.parametrize(("wrong", "said"), [(range(4), True), ((1,), False)])
+def test_the_origins_of_the_joints_may_be_wrong_where_most_coms_are_beyond_them(
+    tmp_path: Path, wrong: Sequence[int], said: bool
+) -> None:
+    (found,) = find_far(tmp_path, make_arm(com=150.0, wrong=wrong))
+    assert found.fix is not None
+    assert ("the origins of the joints are wrong" in found.fix.title) == said

@@ -21,12 +21,14 @@ TRUE = uniform(DRAWN.solid)
 # -- rows ----------------------------------------------------------------------------------------------------------------
 
 
-def make_row(*numbers: DeclaredInertial, names: str = "wheel_{}", kind: str = "continuous") -> str:
+def make_row(
+    *numbers: DeclaredInertial, names: str = "wheel_{}", kind: str = "continuous", drawn: tuple[str, ...] = ("",) * 9
+) -> str:
     parts = [link("base")]
     for i, one in enumerate(numbers):
         parts += [
             joint(f"j{i}", "base", names.format(i), kind=kind, xyz=f"0 {i} 0"),
-            link(names.format(i), format_inertial(one, 6)),
+            link(names.format(i), format_inertial(one, 6), drawn[i]),
         ]
     return robot(*parts)
 
@@ -59,6 +61,45 @@ def test_of_a_row_that_draws_nothing_one_has_a_mistake(
         assert found[0].location.subject.startswith(f"link[{names.format(0)}]")
         assert found[0].fix is not None
         assert not found[0].fix.edits
+
+
+BAR = visual(box("0.2 0.1 0.1"))
+OF_BAR = DeclaredInertial(1.0, np.zeros(3), compute_solid_inertia(make_box_solid(np.array((0.2, 0.1, 0.1))), 1.0))
+LARGER = replace(OF_BAR, tensor=1e3 * OF_BAR.tensor)
+
+
+@pytest.mark.parametrize(
+    ("first", "odd", "other", "kinds"),
+    [
+        (BAR, LARGER, OF_BAR, ["row"]),
+        (visual(box("0.2 0.1 0.1"), xyz="0 0 0.01"), LARGER, OF_BAR, ["row"]),
+        (visual(box("0.2 0.1 0.05")), LARGER, OF_BAR, []),  # another part
+        (visual(mesh("rod_0.stl")), LARGER, OF_BAR, []),
+        (BAR, OF_BAR, LARGER, []),  # the only one with the inertial of what it draws
+    ],
+)
+def test_a_row_is_of_parts_that_are_drawn_alike(
+    tmp_path: Path, first: str, odd: DeclaredInertial, other: DeclaredInertial, kinds: list[str]
+) -> None:
+    text = make_row(odd, other, other, names="rod_{}", drawn=(first, BAR, BAR))
+    assert [finding.message_id for finding in find(tmp_path, text, "SYM003")] == kinds
+
+
+@pytest.mark.parametrize(("place", "found"), [("0 0 0", False), ("0.3 0 0", True)])
+def test_a_frame_at_another_point_of_a_part_leaves_its_com_at_the_origin(
+    tmp_path: Path, place: str, found: bool
+) -> None:
+    away = replace(OF_BAR, com=np.array((0.3, 0.0, 0.0)))
+    there, here = visual(box("0.2 0.1 0.1"), xyz="0.3 0 0"), visual(box("0.2 0.1 0.1"), xyz=place)
+    text = make_row(OF_BAR, away, away, names="rod_{}", drawn=(here, there, there))
+    assert bool(find(tmp_path, text, "SYM003")) == found
+
+
+@pytest.mark.parametrize(("name", "found"), [("rod_2.stl", True), ("bracket.stl", False)])
+def test_meshes_that_are_not_there_are_compared_by_name(tmp_path: Path, name: str, found: bool) -> None:
+    drawn = tuple(visual(mesh(file)) for file in ("rod_0.stl", "rod_1.stl", name))
+    text = make_row(OF_BAR, OF_BAR, LARGER, names="rod_{}", drawn=drawn)
+    assert bool(find(tmp_path, text, "SYM003")) == found
 
 
 def test_a_row_of_two_kinds_shows_nothing(tmp_path: Path) -> None:

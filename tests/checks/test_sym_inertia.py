@@ -22,8 +22,11 @@ pytestmark = pytest.mark.slow
 MASS = 0.4321
 # A part without any symmetry: corners of a tetrahedron in m.
 LUMP = [(0, 0, 0), (0.1, 0, 0), (0.01, 0.06, 0), (0.02, 0.01, 0.03)]
-COM = np.array((0.03, 0.015, 0.008))
-TENSOR = np.array([(3.0e-5, -4.0e-6, -2.0e-6), (-4.0e-6, 7.0e-5, -1.0e-6), (-2.0e-6, -1.0e-6, 8.0e-5)])
+# Of the lump at uniform density.
+COM = np.mean(LUMP, axis=0)
+_CORNERS = np.array(LUMP) - COM
+_SPREAD = MASS / 20.0 * _CORNERS.T @ _CORNERS
+TENSOR = np.trace(_SPREAD) * np.eye(3) - _SPREAD
 PLACES = {
     "fl": "0.2 0.1 0",
     "rl": "-0.2 0.1 0",
@@ -140,6 +143,23 @@ def turned(rpy: tuple[float, float, float], move: tuple[float, float, float], ma
     return shape + make_lump_inertial(mass, turn @ COM + move, turn @ TENSOR @ turn.T)
 
 
+@pytest.mark.parametrize(
+    ("collides", "shift", "kinds"), [("0 0 0", 1e-4, []), ("-25 0 0", 1e-4, ["inertial"]), ("-25 0 0", 1e-12, [])]
+)
+def test_a_com_of_the_collision_mesh_is_right_where_the_visual_one_is_out_of_place(
+    tmp_path: Path, collides: str, shift: float, kinds: list[str]
+) -> None:
+    """A side whose mesh is drawn 25 m away has no COM there."""
+    parts = [link("base")]
+    for side, y, place in (("left", 0.1, "-25 0 0"), ("right", -0.1, "0 0 0")):
+        meshes = drawn(place) + collision(mesh("lump.stl"), xyz=collides if side == "left" else "0 0 0")
+        com = COM + np.array((0.0 if side == "left" else shift, 0.0, 0.0))
+        parts += [link(f"{side}_part", meshes + make_lump_inertial(com=[float(f"{v:.15g}") for v in com]))]
+        parts.append(joint(side, "base", f"{side}_part", kind="continuous", xyz=f"0 {y} 0", axis="0 0 1"))
+    write_mesh(tmp_path)
+    assert [finding.message_id for finding in find(tmp_path, robot(*parts), "SYM004")] == kinds
+
+
 def test_copies_that_agree_are_fine(tmp_path: Path) -> None:
     assert not find_odd_inertia(tmp_path, make_parts_on_base(*FOUR))
 
@@ -151,12 +171,12 @@ def test_copies_that_agree_are_fine(tmp_path: Path) -> None:
         (make_lump_inertial(mass=1.1 * MASS), "mass 0.4753 kg instead of 0.4321 kg (× 1.1)", "inertial/mass@value"),
         (
             make_lump_inertial(com=COM * (1, -1, 1)),
-            "(30, -15, 8) mm instead of (30, 15, 8) mm, 30 mm off",
+            "(32.5, -17.5, 7.5) mm instead of (32.5, 17.5, 7.5) mm, 35 mm off",
             "inertial/origin@xyz",
         ),
         (
             make_lump_inertial(tensor=TENSOR * (2 * np.eye(3) - 1)),
-            "ixy 4e-06 instead of -4e-06, ixz 2e-06",
+            "ixy -3.187e-05 instead of 3.187e-05, ixz -8.102e-06",
             "inertial/inertia",
         ),
         (make_lump_inertial(tensor=TENSOR[[1, 0, 2]][:, [1, 0, 2]]), "other principal axes", "inertial/inertia"),
@@ -172,6 +192,31 @@ def test_the_odd_one_is_named_with_what_differs_and_repaired(
     assert finding.location.subject == f"link[rl_part]/{place}"
     assert told in finding.message
     assert not repaired(tmp_path, text)
+
+
+@pytest.mark.parametrize("names", [FOUR, UNNAMED])
+@pytest.mark.parametrize("mass", [1.1 * MASS, MASS])
+def test_the_drawing_tells_that_the_others_are_wrong(tmp_path: Path, names: tuple[str, ...], mass: float) -> None:
+    """The others have the numbers of a larger part."""
+    larger = make_lump_inertial(mass, com=1.2 * COM, tensor=1.6 * TENSOR)
+    links = {name: drawn() + larger for name in names if name != "rl"}
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*names, **links))
+    assert (finding.message_id, finding.severity) == ("others", Severity.WARNING)
+    assert not finding.location.subject.startswith("link[rl_part]")
+    assert "only rl_part has its COM and tensor" in finding.message
+    assert finding.fix is not None
+    assert not finding.fix.edits
+
+
+def test_nothing_is_edited_where_no_inertial_is_that_of_the_drawn_part(tmp_path: Path) -> None:
+    tensor = np.diag((2e-4, 3e-4, 4e-4))
+    links = {name: drawn() + make_lump_inertial(tensor=tensor) for name in FOUR}
+    links["rl"] = drawn() + make_lump_inertial(1.1 * MASS, tensor=tensor)
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **links))
+    assert finding.message_id == "unknown"
+    assert finding.location.subject.startswith("link[rl_part]")
+    assert finding.fix is not None
+    assert not finding.fix.edits
 
 
 def test_mirrored_inertials_of_one_drawing_may_both_be_right(tmp_path: Path) -> None:
@@ -286,7 +331,9 @@ def test_of_a_pair_one_ten_times_as_heavy_is_a_slip(tmp_path: Path, factor: floa
 def test_of_a_pair_one_with_ten_times_the_moments_is_a_slip_if_it_is_as_heavy(
     tmp_path: Path, factor: float, mass: float, severity: Severity
 ) -> None:
-    text = make_parts_on_base("rl", "mid", mid=drawn() + make_lump_inertial(mass, tensor=factor * TENSOR))
+    tensor = np.diag((2e-4, 3e-4, 4e-4))  # of another shape: the drawing does not show which of the two is wrong
+    one, other = make_lump_inertial(tensor=tensor), make_lump_inertial(mass, tensor=factor * tensor)
+    text = make_parts_on_base("rl", "mid", rl=drawn() + one, mid=drawn() + other)
     (finding,) = find_odd_inertia(tmp_path, text)
     assert finding.severity == severity
 
@@ -359,8 +406,8 @@ def test_what_a_symmetry_of_the_part_explains_is_no_difference(tmp_path: Path) -
 
 def test_the_numbers_that_are_written_are_those_of_a_copy(tmp_path: Path) -> None:
     """The odd one is the mirror image of the others but for its COM: what symmetry makes of their numbers is in no link."""
-    tensor = np.array([(2.01234e-4, 0, 0), (0, 2.45678e-4, 1.23456e-5), (0, 1.23456e-5, 3.04567e-4)])
-    flipped = np.array([(2.01234e-4, 0, 0), (0, 2.45678e-4, -1.23456e-5), (0, -1.23456e-5, 3.04567e-4)])
+    tensor = np.array([(3.61234e-4, 0, 0), (0, 4.95678e-4, 1.23456e-5), (0, 1.23456e-5, 5.84567e-4)])
+    flipped = np.array([(3.61234e-4, 0, 0), (0, 4.95678e-4, -1.23456e-5), (0, -1.23456e-5, 5.84567e-4)])
     box = '<visual><origin xyz="0 0.0003 0"/><geometry><box size="0.1 0.08 0.06"/></geometry></visual>'
     like = {name: box + make_lump_inertial(MASS, (0.00112, 0.00053, 0.00217), tensor) for name in FOUR}
     like["rr"] = box + make_lump_inertial(MASS, (0.00112, -0.00931, 0.00217), flipped)

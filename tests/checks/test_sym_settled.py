@@ -271,3 +271,67 @@ def test_an_angle_of_the_parents_explains_a_distance_at_the_end_of_a_lever(
                     )
                 )
     assert ("origin" in {f.message_id for f in find_places(tmp_path, *parts)}) is found
+
+
+@pytest.mark.parametrize(
+    ("odd", "drawn", "kinds"),
+    [
+        ("-0.25 -0.125 0", "0 -0.07 0", []),  # 5 mm beside its place
+        ("-0.25 -0.125 0", "0 0 0", ["origin"]),
+    ],
+)
+def test_wheels_that_are_drawn_about_mirrored_places_stay_there(
+    tmp_path: Path, odd: str, drawn: str, kinds: list[str]
+) -> None:
+    """A frame may be at another point of its axle: a new origin would move the wheel."""
+    parts = [link("base", visual(box("0.8 0.3 0.05"), xyz="0 0 0.1"))]
+    for name, x in (("front", 0.25), ("middle", 0.0), ("rear", -0.25)):
+        for side, y in (("left", 0.2), ("right", -0.2)):
+            is_odd = (name, side) == ("rear", "right")
+            wheel, place = f"{name}_{side}_wheel", odd if is_odd else f"{x} {y} 0"
+            shape = visual(cylinder(0.05, 0.03), xyz=drawn if is_odd else "", rpy="1.570796 0 0")
+            parts += [link(wheel, shape), joint(wheel, "base", wheel, kind="continuous", xyz=place, axis="0 1 0")]
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
+@pytest.mark.parametrize(("eyes", "kinds"), [(False, []), (True, ["lone_place"])])
+def test_a_body_whose_frame_is_beside_its_middle_has_hips_at_other_distances(
+    tmp_path: Path, eyes: bool, kinds: list[str]
+) -> None:
+    """Another pair on the body shows where the middle is."""
+    parts = [link("body", visual(box("0.1 0.1 0.1")))]
+    for side, y in (("left", 0.047), ("right", -0.0094)):
+        parent = "body"
+        for part, xyz, axis in (
+            ("hip", f"0.01 {y} -0.05", "1 0 0"),
+            ("thigh", "0 0 -0.05", "0 1 0"),
+            ("shank", "0 0 -0.1", "0 1 0"),
+            ("ankle", "0 0 -0.1", "0 1 0"),
+            ("foot", "0 0 -0.02", "1 0 0"),
+        ):
+            name = f"{side}_{part}"
+            parts.append(link(name, visual(box("0.02 0.02 0.02"))))
+            parts.append(joint(f"{name}_joint", parent, name, LIMIT, kind="revolute", xyz=xyz, axis=axis))
+            parent = name
+        if eyes:
+            place = f"0.05 {math.copysign(0.024, y)} 0.05"
+            parts.append(link(f"{side}_eye", visual(box("0.01 0.01 0.01"))))
+            parts.append(
+                joint(f"{side}_eye_joint", "body", f"{side}_eye", LIMIT, kind="revolute", xyz=place, axis="0 0 1")
+            )
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
+@pytest.mark.parametrize(("name", "kinds"), [("mount", ["turned_pair"]), ("calibration", [])])
+def test_a_calibrated_mount_mirrors_nothing(tmp_path: Path, name: str, kinds: list[str]) -> None:
+    parts = [link("base", visual(box("0.4 0.2 0.1")))]
+    for side, y in (("left", 0.2), ("right", -0.2)):
+        for part, x in (("arm", 0.1), ("leg", -0.1), ("ear", 0.2)):
+            limb, sign = f"{side}_{part}", math.copysign(1.0, y)
+            turn = f"0 0 {0.0712 if side == 'left' else 0.0123}" if part == "arm" else "0 0 0"
+            kind = "fixed" if part == "arm" else "continuous"
+            parts.append(link(limb, visual(box("0.1 0.04 0.02"), xyz=f"0.03 {0.01 * sign} 0.02")))
+            parts.append(
+                joint(f"{side}_{part}_{name}", "base", limb, kind=kind, xyz=f"{x} {y} 0", rpy=turn, axis="0 0 1")
+            )
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds

@@ -8,7 +8,7 @@ import pytest
 from builders import find, inertial, joint
 from conftest import check_text
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 
 BOX = "<visual><origin xyz='0 0 {z}'/><geometry><box size='0.04 0.03 0.2'/></geometry></visual>"
 SIDES = {"FL": (1, 1), "FR": (1, -1), "HL": (-1, 1), "HR": (-1, -1)}
@@ -648,3 +648,48 @@ def test_a_left_and_a_right_part_are_not_one_inside_the_other(
     ]
     findings = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
     assert ("coincident" in [finding.message_id for finding in findings]) == found
+
+
+@pytest.mark.parametrize(("turn", "count"), [("0 0 3.14159265", 0), ("0 0 0", 1)])
+def test_fingers_that_are_drawn_half_a_turn_apart_are_opposite_in_two_coordinates(
+    tmp_path: Path, turn: str, count: int
+) -> None:
+    """The mesh is turned, and the frame is not."""
+    parts = ["<link name='palm'/>"]
+    for side, xyz, rpy, place in (
+        ("left", "-0.024 0.045 -0.05", "0 0 0", "0.01 -0.04 -0.02"),
+        ("right", "0.024 -0.045 -0.05", turn, "-0.01 0.04 -0.02" if count == 0 else "0.01 -0.04 -0.02"),
+    ):
+        bar, tip = (
+            f'<visual><origin xyz="{at}" rpy="{rpy}"/><geometry><box size="{size}"/></geometry></visual>'
+            for at, size in ((place, "0.03 0.01 0.06"), ("0 0 -0.08", "0.01 0.02 0.02"))
+        )
+        parts.append(f'<link name="{side}_tip">{bar}{tip}</link>')
+        parts.append(joint(f"{side}_slide", "palm", f"{side}_tip", LIMIT, kind="prismatic", xyz=xyz, axis="0 1 0"))
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["diagonal"] * count
+
+
+@pytest.mark.parametrize(
+    ("kind", "xyz", "severity", "words"),
+    [
+        ("prismatic", "0 0 0.08", Severity.INFO, "draw each on its own side"),
+        ("fixed", "0 0 0.08", Severity.WARNING, "else move one of them to its place"),
+        ("fixed", "0 0.1 0.08", Severity.WARNING, "should differ: y for left and right"),
+    ],
+)
+def test_two_parts_in_one_place_are_moved_where_they_can_be(
+    tmp_path: Path, kind: str, xyz: str, severity: Severity, words: str
+) -> None:
+    """Two fingers that slide apart are no leftover, and a zero has no sign."""
+    limit = '<limit lower="0" upper="0.03" effort="20" velocity="5"/>' if kind != "fixed" else ""
+    parts = [
+        f'<link name="{side}_part">{inertial(1.0, 0.1)}{BOX.format(z=0)}</link>'
+        + joint(f"{side}_joint", "base", f"{side}_part", limit, kind=kind, xyz=xyz, axis=axis)
+        for side, axis in (("left", "0 1 0"), ("right", "0 -1 0"))
+    ]
+    found = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
+    (finding,) = [one for one in found if one.message_id == "coincident"]
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert words in finding.fix.title

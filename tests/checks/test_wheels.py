@@ -297,10 +297,22 @@ def test_raised_axles_of_a_vehicle_with_many_are_by_design(
     assert (finding.message_id, finding.severity) == (message, severity)
 
 
+@pytest.mark.parametrize(("place", "alone"), [((-0.2, 0.12, 0.004), True), ((-0.21, 0.12, 0.004), False)])
+def test_no_height_is_offered_where_not_the_height_alone_differs(
+    tmp_path: Path, place: tuple[float, float, float], alone: bool
+) -> None:
+    (finding,) = find_in_car(tmp_path, "SYM006", changed(FOUR, 1, place=place))
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == alone
+    assert finding.fix.title.startswith("write xyz" if alone else "compare the origin")
+
+
 def test_a_wheel_with_another_radius_is_told_as_that(tmp_path: Path) -> None:
     (finding,) = find_in_car(tmp_path, "SYM006", changed(FOUR, 1, radius=0.048))
     assert finding.message_id == "radius"
     assert finding.data["own"] == pytest.approx(48)
+    assert finding.fix is not None
+    assert "if rear_left_wheel is the same wheel as the others" in finding.fix.title
     assert not find_in_car(tmp_path / "b", "SYM006", changed(FOUR, 1, radius=0.048, place=(-0.2, 0.12, -0.002)))
 
 

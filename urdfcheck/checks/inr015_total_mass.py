@@ -9,8 +9,10 @@ from dataclasses import replace
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import format_length, join_names
+from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
+from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
@@ -31,8 +33,10 @@ _SPAN = 1e5
 # A density is 1 kg/m³ within this share, which rounding of masses leaves.
 _UNIT_DENSITY = 0.01
 _IN_KILOGRAMS, _CORRECTED = "write the robot's masses in kilograms", "correct the robot's masses"
-# Kilograms per tonne.
+# Kilograms per tonne, and per gram.
 _TONNE = 1000.0
+_FACTORS = {"tonnes": _TONNE, "grams": 1e-3}
+_HELD_DOWN = "if its weight is to hold the robot down, fix it to the world instead; otherwise correct its mass"
 
 
 def check(
@@ -60,8 +64,8 @@ def check(
         )
     elif (total > most and not _is_light_for_its_size(model, total)) or (total < least and _has_most_masses(model)):
         # In tonnes too, a robot weighs a gram or more.
-        light = _name_unit(masses, "tonnes") if _TONNE * total >= least else None
-        message, cause = ("light", light) if total < least else ("heavy", _name_unit(masses, "grams"))
+        light = _name_unit(model, masses, "tonnes") if _TONNE * total >= least else None
+        message, cause = ("light", light) if total < least else ("heavy", _name_unit(model, masses, "grams"))
         yield rule.finding(
             message,
             at=model.name_location,
@@ -101,10 +105,14 @@ def _count_unit_densities(model: Model) -> int:
     return len(measured) if is_unit and len({f"{mass:.3g}" for mass, _ in measured}) > 1 else 0
 
 
-def _name_unit(masses: Sequence[float], unit: str) -> str | None:
-    """Return the unit as the cause, or None where all masses are round, which a CAD program does not write, or too different to
-    be those of one robot in one unit."""
-    return None if all(map(is_round, masses)) or max(masses) > _SPAN * min(masses) else unit
+def _name_unit(model: Model, masses: Sequence[float], unit: str) -> str | None:
+    """Return the unit as the cause, or None where all masses are round, which a CAD program does not write, too different to be
+    those of one robot in one unit, or, in that unit, of parts of no usual density."""
+    if all(map(is_round, masses)) or max(masses) > _SPAN * min(masses):
+        return None
+    measured = (compute_mesh_density(model, one) for one in model.masses if one.mass > 0)
+    known = [density for density in measured if density is not None]
+    return unit if not known or is_part_density(_FACTORS[unit] * compute_median(known)) else None
 
 
 def _is_light_for_its_size(model: Model, total: float) -> bool:
@@ -124,13 +132,22 @@ def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: floa
     declared = [one for one in model.masses if one.mass > 0]
     heaviest, most = max(declared, key=lambda one: one.mass), DENSEST * edge**3
     is_one = len(declared) > 1 and heaviest.mass > most and total - heaviest.mass < _OTHERS * most
-    cause = None if is_one else _name_unit([one.mass for one in declared], "grams")
+    cause = None
+    # In grams too, no robot is denser than any material.
+    if not is_one and _FACTORS["grams"] * total <= most:
+        cause = _name_unit(model, [one.mass for one in declared], "grams")
+    is_weight = is_one and is_round(heaviest.mass) and heaviest.link.name in _list_base_links(model)
+    of_one = _HELD_DOWN if is_weight else f"correct the mass of {heaviest.link.name}"
+    of_all = _IN_KILOGRAMS if cause else _CORRECTED
+    size = format_length(edge)
     return rule.finding(
         "dense_link" if is_one else "dense",
         at=heaviest.attribute if is_one else model.name_location,
         cause=cause,
-        repair=_IN_KILOGRAMS if cause else f"{_CORRECTED}, or the size of what is drawn",
-        severity=Severity.ERROR,
+        repair=of_one
+        if is_one
+        else f"if the robot is {size} large, {of_all}; otherwise correct its lengths, such as the scale of meshes",
+        severity=Severity.WARNING if is_weight else Severity.ERROR,
         robot=model.name,
         link=heaviest.link.name,
         mass=heaviest.mass,
@@ -140,6 +157,14 @@ def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: floa
         edge=edge,
         most=most,
     )
+
+
+def _list_base_links(model: Model) -> Sequence[str]:
+    """List the links of the root's body; none where there is not one root."""
+    try:
+        return model.tree.list_body_links(model.tree.root)
+    except FactUnavailableError:
+        return ()
 
 
 def _build_same_finding(model: Model, rule: Rule, *, total: float) -> Finding:

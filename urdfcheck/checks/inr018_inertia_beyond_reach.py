@@ -50,6 +50,11 @@ _UNREAD = {
 }
 
 
+# No two units of length are nearer than this, apart from inches and centimetres.
+_UNIT = 10.0
+_OTHERWISE = "; if these are right, the origins of the joints are wrong, which are in metres too"
+
+
 @dataclass(frozen=True, slots=True)
 class _FarLink:
     """A link whose mass is too far away, all lengths in m."""
@@ -102,10 +107,14 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
             elif far.distance > whole * reach or is_beyond_own or (far.total > whole * reach and name not in bolted):
                 odd.append(far)
         unit = _find_unit(message, [*grave, *odd], units, reach)
+        # If most links reach beyond the robot, it may be the robot's lengths that are wrong.
+        is_most = 2 * (len(grave) + len(odd)) > len(lengths) >= _LEAST_LINKS
         # The robot that includes a part may be longer than it.
         for links, severity in ((grave, Severity.ERROR), ([] if model.source.is_part else odd, None)):
             if links:
-                yield _build_finding(model, rule, message, links, unit=unit, reach=reach, severity=severity)
+                yield _build_finding(
+                    model, rule, message, links, unit=unit, reach=reach, severity=severity, is_most=is_most
+                )
 
 
 def _measure_lengths(declared: CompleteInertial) -> tuple[float, float, float] | None:
@@ -176,6 +185,7 @@ def _build_finding(
     unit: str,
     reach: float,
     severity: Severity | None,
+    is_most: bool,
 ) -> Finding:
     farthest = max(links, key=lambda far: far.distance)
     typed = {_describe_typed(message, far) for far in links}
@@ -204,6 +214,7 @@ def _build_finding(
         own=_format_own(farthest),
         unit=unit,
         what=placeholder or "",
+        otherwise=_OTHERWISE if is_most and not placeholder and farthest.distance >= _UNIT * reach else "",
     )
 
 

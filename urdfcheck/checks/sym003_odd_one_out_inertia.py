@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -17,9 +17,15 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
+from urdfcheck.model.inertials.own_com import has_com_of_own_mesh
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
-from urdfcheck.model.likeness.declared_inertials import turn_inertial
-from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
+from urdfcheck.model.likeness.identical_parts import (
+    CopyComparison,
+    compare_copies,
+    find_differing_pairs,
+    find_odd_copies,
+)
 from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.repairs.inertial_edits import build_inertial_repair, have_one_text
@@ -35,8 +41,6 @@ MAX_PLAUSIBLE_MISS = 1.0
 MIN_CERTAIN_MISS = 0.5
 # A COM so far from the drawn part's, as a share of its size, is not that of the part alone.
 _COM_APART = 0.05
-# And one so near is (chosen: the rounding of numbers and facets).
-_SAME_COM = 1e-3
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers. Nor does it make
 # a moment ten times as large where the masses are equal to this share.
 SLIPPED_POINT, _SAME_MASS = 9.9, 0.01
@@ -50,21 +54,26 @@ def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[F
         reported |= {subject.partition("/")[0] for subject in finding.subjects}
         yield finding
     for slip in find_row_slips(model):
-        if slip.link.location.subject not in reported:
+        if slip.link.location.subject not in reported and not _is_confirmed_by_drawing(model, slip, note):
             yield _build_row_finding(model, rule, slip)
 
 
 def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     """Compare links that draw the same part."""
     for odd in find_odd_copies(model, note):
+        is_of_com_alone = max(odd.deviation.mass, odd.deviation.spread) < note
+        if is_of_com_alone and has_com_of_own_mesh(model, odd.link, odd.actual, odd.expected):
+            continue
+        verdict = _ask_drawing(model, odd, note)
+        if verdict == "others":
+            yield _build_majority_finding(model, rule, odd, differ=differ, note=note)
+            continue
         diagnosed = inertial_diagnoses(model).get(odd.link.name)
         if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
             continue  # its numbers fit its drawing: all others may have the same mistake
-        if _has_com_of_own_mesh(model, odd, note):
-            continue
         names = join_names(link.name for link in odd.by)
         why = f"{len(odd.by)} links that draw the same part ({names}) agree with each other"
-        yield _build_outlier_finding(model, rule, odd, why=why, differ=differ, note=note)
+        yield _build_outlier_finding(model, rule, odd, why=why, differ=differ, note=note, is_known=verdict == "odd")
     sides = {frozenset((pair.one, pair.other)) for pair in mirror_pairs(model)}
     for pair in find_differing_pairs(model, note, excluded=sides):
         wrong = _pick_wrong_inertial(model, pair)
@@ -80,25 +89,92 @@ def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> 
 
 
 def _build_outlier_finding(
-    model: Model, rule: Rule, odd: CopyComparison, *, why: str, differ: float, note: float
+    model: Model, rule: Rule, odd: CopyComparison, *, why: str, differ: float, note: float, is_known: bool = True
 ) -> Finding:
+    """Report a link that is unlike its copies. ``is_known``: whether its drawing shows that it is the wrong one."""
     inertial = _get_inertial(model, odd.link)
     others = [_get_inertial(model, link) for link in odd.by]
     repair = build_inertial_repair(inertial, odd.expected)
     shared = any(have_one_text(repair.places, inertial, other) for other in others)
     # Numbers that no link has are as exact as the drawing: compared, not written.
-    edits = () if shared or odd.is_image else repair.edits
+    edits = () if shared or odd.is_image or not is_known else repair.edits
     return rule.finding(
-        "odd" if edits or odd.is_image else "computed",
+        "unknown" if not is_known else "odd" if edits or odd.is_image else "computed",
         at=locate_difference(inertial, odd.deviation, note),
         related=[locate_difference(other, odd.deviation, note) for other in others],
         edits=edits,
         severity=None if odd.deviation.worst >= differ else Severity.INFO,
-        numbers=repair.text if shared else repair.words,
+        numbers=repair.text if shared or not is_known else repair.words,
         why=why,
         siblings=join_names(link.name for link in odd.by),
         **_collect_data(odd, note),
     )
+
+
+def _build_majority_finding(model: Model, rule: Rule, odd: CopyComparison, *, differ: float, note: float) -> Finding:
+    """Report the copies that agree with each other, and not with the part that all draw, while one of them does."""
+    first = odd.by[0]
+    back = compare_copies(model, first, odd.link, note)
+    comparison = odd if back is None else back
+    return rule.finding(
+        "others",
+        at=locate_difference(_get_inertial(model, first), comparison.deviation, note),
+        related=[
+            locate_difference(_get_inertial(model, link), comparison.deviation, note)
+            for link in (*odd.by[1:], odd.link)
+        ],
+        severity=None if comparison.deviation.worst >= differ else Severity.INFO,
+        sibling=odd.link.name,
+        count=len(odd.by),
+        siblings=join_names(link.name for link in odd.by),
+        **_collect_data(comparison, note),
+    )
+
+
+def _ask_drawing(model: Model, odd: CopyComparison, note: float) -> str | None:
+    """Ask what a link draws which inertial is wrong: its own (``odd``) or the ``others``; None where it does not show that."""
+    differing = {"com_offset"} if odd.deviation.com_offset > note else set()
+    if max(odd.deviation.mass, odd.deviation.spread) > note:
+        differing.add("spread")
+    actual, expected = (
+        _measure_least_miss(model, odd.link, numbers, differing) for numbers in (odd.actual, odd.expected)
+    )
+    return _choose_wrong(actual, expected, note)
+
+
+def _choose_wrong(odd: float | None, others: float | None, note: float) -> str | None:
+    """Choose between inertials that are so far from the drawn part."""
+    if odd is None or others is None or max(odd, others) < note:
+        return None
+    if MIN_DEVIATION_RATIO * others <= odd:
+        return "odd"
+    return "others" if MIN_DEVIATION_RATIO * odd <= others and odd <= MAX_FIT_DEVIATION else None
+
+
+def _is_confirmed_by_drawing(model: Model, slip: RowSlip, note: float) -> bool:
+    """Whether a link unlike its row has the inertial of the part that it draws, which the others have not."""
+    misses = []
+    for link in (slip.link, slip.row[0]):
+        declared = read_declared_inertial(link)
+        misses.append(None if declared is None else _measure_least_miss(model, link, declared))
+    own, other = misses
+    return _choose_wrong(own, other, note) == "others"
+
+
+def _measure_least_miss(
+    model: Model, link: Link, declared: DeclaredInertial, quantities: Iterable[str] = ("com_offset", "spread")
+) -> float | None:
+    """Measure how far ``quantities`` are from those of a uniform part of this mass: filled, hollow, or filled to its convex hull,
+    as it is seen or as it collides. None without a drawing."""
+    misses = []
+    for role in ("visual", "collision"):
+        drawn = measure_role_geometry(model, link, role)
+        for solid in () if drawn is None else (drawn.solid, drawn.hull, drawn.shell):
+            if solid is not None and solid.volume > 0.0:
+                uniform = DeclaredInertial(declared.mass, solid.com, compute_solid_inertia(solid, declared.mass))
+                deviation = measure_deviation(declared, uniform)
+                misses.append(max(getattr(deviation, quantity) for quantity in quantities))
+    return min(misses, default=None)
 
 
 def _build_pair_finding(
@@ -179,23 +255,6 @@ def _has_com_apart(model: Model, comparison: CopyComparison) -> bool:
         return False
     apart = float(np.linalg.norm(comparison.actual.com - drawn.solid.com))
     return apart > _COM_APART * measure_extent(drawn.points)
-
-
-def _has_com_of_own_mesh(model: Model, odd: CopyComparison, note: float) -> bool:
-    """Whether a COM alone differs, and is that of a mesh of the link, which the others' is not: the part has another frame there,
-    or the drawing of another link was copied."""
-    if max(odd.deviation.mass, odd.deviation.spread) >= note:
-        return False
-    for role, shapes in (("visual", odd.link.visuals), ("collision", odd.link.collisions)):
-        if any(shape.mesh_filename is None for shape in shapes):
-            continue  # a box around a part says nothing about its COM
-        drawn = measure_role_geometry(model, odd.link, role)
-        if drawn is None or not drawn.closed:
-            continue
-        actual, expected = (float(np.linalg.norm(d.com - drawn.solid.com)) for d in (odd.actual, odd.expected))
-        if actual <= _SAME_COM * measure_extent(drawn.points) and expected > MIN_DEVIATION_RATIO * actual:
-            return True
-    return False
 
 
 def _build_row_finding(model: Model, rule: Rule, slip: RowSlip) -> Finding:

@@ -62,10 +62,17 @@ def check(model: Model, rule: Rule, *, spread: float, least: float) -> Iterator[
         yield rule.finding("radius", at=_locate_xyz(joint), **data)
         return
     before, after, edits = _propose_origin_xyz(model, joint, odd.rise)
+    repair = f"write xyz `{after}` in the origin of {joint.name}"
     if abs(odd.rise) > odd.wheel.radius or not _is_in_rows(odd.wheel, wheels):
-        edits = []  # it is not its height alone that is wrong
+        # It is not its height alone that is wrong.
+        repair, edits = (
+            f"compare the origin of {joint.name} with those of the other wheels: not its height alone differs",
+            [],
+        )
     severity = Severity.INFO if _is_play_of_casters(wheels, least) else None
-    yield rule.finding("odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, severity=severity, **data)
+    yield rule.finding(
+        "odd", at=_locate_xyz(joint), edits=edits, before=before, after=after, severity=severity, repair=repair, **data
+    )
 
 
 def _is_play_of_casters(wheels: Sequence[Wheel], least: float) -> bool:

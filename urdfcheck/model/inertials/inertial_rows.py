@@ -18,6 +18,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
 )
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
+from urdfcheck.model.likeness.shape_comparison import get_outline, is_alike
 from urdfcheck.model.likeness.side_names import pair_by_name
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
@@ -47,9 +48,9 @@ class RowSlip:
 def find_row_slips(model: Model) -> Iterator[RowSlip]:
     """Find the links of a row that differ from most, where these agree and one mistake explains the difference.
 
-    The names of a row differ in numbers only, in one where there is nothing else, and joints of one type move its links. What is
-    drawn is not compared: the mistake has to lead to mass and principal moments of the others to within half a percent. Links
-    with a counterpart on the other side are left to those that compare the sides.
+    The names of a row differ in numbers only, in one where there is nothing else, joints of one type move its links, and they
+    draw parts of one shape, or nothing. The mistake has to lead to mass and principal moments of the others to within half a
+    percent. Links with a counterpart on the other side are left to those that compare the sides.
 
     :raises FactUnavailableError: when the tree is broken.
     """
@@ -80,6 +81,40 @@ def _list_row_names(name: str) -> list[tuple[str, ...]]:
 
 def _find_odd_ones(model: Model, row: list[Link]) -> Iterator[RowSlip]:
     known = [(link, numbers) for link in row if (numbers := get_possible_inertial(link)) is not None]
+    for part in _group_by_drawing(model, known):
+        if len(part) > _FEWEST:
+            yield from _find_odd_ones_of_part(model, part, row)
+
+
+def _group_by_drawing(
+    model: Model, known: list[tuple[Link, DeclaredInertial]]
+) -> list[list[tuple[Link, DeclaredInertial]]]:
+    """Group links that draw one part: other parts of a row, such as the brackets of an arm, have other numbers."""
+    groups: list[list[tuple[Link, DeclaredInertial]]] = []
+    for one in known:
+        group = next((group for group in groups if _do_draw_one_part(model, group[0][0], one[0])), None)
+        if group is None:
+            groups.append([one])
+        else:
+            group.append(one)
+    return groups
+
+
+def _do_draw_one_part(model: Model, one: Link, other: Link) -> bool:
+    """Whether two links draw parts of one shape, or nothing. Meshes that cannot be read have one name, apart from the link's."""
+    alike = is_alike(model, one.name, other.name)
+    return _name_meshes(one) == _name_meshes(other) if alike is None else alike
+
+
+def _name_meshes(link: Link) -> list[str]:
+    shapes = link.visuals or link.collisions
+    names = (shape.mesh_filename for shape in shapes)
+    return ["" if name is None else name.value.replace(link.name, "{link}") for name in names]
+
+
+def _find_odd_ones_of_part(
+    model: Model, known: list[tuple[Link, DeclaredInertial]], row: list[Link]
+) -> Iterator[RowSlip]:
     computed = [(link, numbers) for link, numbers in known if describe_typed_tensor(link) is None]
     most: list[tuple[Link, DeclaredInertial]] = []
     for _, first in computed:
@@ -87,7 +122,7 @@ def _find_odd_ones(model: Model, row: list[Link]) -> Iterator[RowSlip]:
             most = max(most, [(link, n) for link, n in computed if _is_same(n, first)], key=len)
     if len(most) < _FEWEST or 2 * len(most) <= len(known):
         return
-    yield from _find_odd_com(most)
+    yield from _find_odd_com(model, most)
     if len(most) == len(known):
         return
     others = tuple(link for link, _ in most)
@@ -97,9 +132,9 @@ def _find_odd_ones(model: Model, row: list[Link]) -> Iterator[RowSlip]:
             yield RowSlip(link=link, row=others, kind=kind, mistake=mistake)
 
 
-def _find_odd_com(most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
+def _find_odd_com(model: Model, most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip]:
     """Find the only link of some that agree in mass and moments whose COM is at another distance than those of the others, by one
-    mistake."""
+    mistake: from the frame, and from the middle of what is drawn, where that is known."""
     distances = np.array([float(np.linalg.norm(numbers.com)) for _, numbers in most])
     usual = float(compute_median(distances.tolist()))
     odd = np.flatnonzero(np.abs(distances - usual) > _SAME_COM * usual).tolist()
@@ -110,6 +145,14 @@ def _find_odd_com(most: list[tuple[Link, DeclaredInertial]]) -> Iterator[RowSlip
     others = [one for one in most if one[0] is not link]
     right = others[0][1]
     radius = math.sqrt(float(np.trace(right.inertia)) / (2.0 * right.mass))
+    own, other = (get_outline(model, one.name) for one, _ in (most[index], others[0]))
+    if own is not None and other is not None:
+        away, usual_away = (
+            float(np.linalg.norm(com - middle))
+            for com, middle in ((numbers.com, own.centroid), (right.com, other.centroid))
+        )
+        if abs(away - usual_away) <= _FAR_COM * radius:
+            return  # the frame is at another point of the part
     if not numbers.com.any():
         mistake = "COM at the link's origin" if usual > _FAR_COM * radius else ""
     else:

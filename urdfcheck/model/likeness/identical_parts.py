@@ -142,6 +142,18 @@ def find_odd_copies(model: Model, threshold: float = NOTABLE_SHARE) -> tuple[Cop
     return tuple(odd_copies)
 
 
+def compare_copies(model: Model, link: Link, by: Link, threshold: float = NOTABLE_SHARE) -> CopyComparison | None:
+    """Compare a link with one of its copies; None where it is not one of them.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
+    for group in part_copies(model):
+        places = {copy.link.name: index for index, copy in enumerate(group)}
+        if link.name in places and by.name in places:
+            return _GroupComparison(model, group, threshold).expect_typed_numbers(places[link.name], places[by.name])
+    return None
+
+
 def find_differing_pairs(
     model: Model, threshold: float = NOTABLE_SHARE, *, excluded: Collection[frozenset[str]] = ()
 ) -> tuple[tuple[CopyComparison, CopyComparison], ...]:

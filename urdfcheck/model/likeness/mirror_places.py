@@ -26,7 +26,7 @@ from urdfcheck.model.likeness.sides.lone_attributes import LoneAttribute, iter_l
 from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
 from urdfcheck.model.likeness.sides.lone_turns import LoneTurn, iter_lone_turns
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
-from urdfcheck.model.likeness.sides.settled_places import is_settled
+from urdfcheck.model.likeness.sides.settled_places import is_drawn_nearer, is_settled
 from urdfcheck.model.likeness.sides.two_pairs import may_be_two_pairs
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_all_numbers
@@ -91,9 +91,14 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
     reported: set[str] = set()
     for mistake in _iter_all_mistakes(model, pairs):
         links = {joint.child for joint in mistake.joints}
-        if not links & reported:
+        if not links & reported and not any(map(_is_measured, mistake.joints)):
             reported |= links
             yield mistake
+
+
+def _is_measured(joint: Joint) -> bool:
+    """Whether a fixed joint is named as a calibration: its numbers were measured on one robot, and mirror nothing."""
+    return joint.type == "fixed" and any(word.lower().startswith("calib") for word in split_name_words(joint.name))
 
 
 def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
@@ -113,7 +118,12 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
     yield from map(_describe_lone_turn, iter_lone_turns(model, pairs))
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
-        if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
+        if off is not None and not (
+            off.distance
+            and (
+                is_settled(model, [pair.one, pair.other], pairs) or is_drawn_nearer(model, pair, distance=off.distance)
+            )
+        ):
             yield _describe_misplaced_joint(model, off)
     yield from map(_describe_slip, iter_lone_coordinates(model))
     yield from map(_describe_lone_attribute, iter_lone_attributes(model))
@@ -359,6 +369,25 @@ def _describe_coincidence(one: Joint, other: Joint) -> PlaceMistake:
         "typed": "" if attribute is None else attribute.value,
         "between": _list_subjects((one, other)),
     }
+    axes = [np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in (one, other)]
+    if one.type == "prismatic" and float(axes[0] @ axes[1]) < 0.0:
+        # Neither is a leftover: the two slide apart.
+        data["repair"] = (
+            "if the two touch at zero, draw each on its own side of that plane; otherwise move their joints apart"
+        )
+        return PlaceMistake(
+            message="coincident", joints=(one, other), at=at, related=(related,), data=data, is_minor=True
+        )
+    x, y, _ = one.origin.xyz or (0.0, 0.0, 0.0)
+    signs = join_names(
+        [
+            f"{axis} for {sides}"
+            for axis, value, sides in (("y", y, "left and right"), ("x", x, "front and rear"))
+            if value
+        ]
+    )
+    move = f"flip the sign in which they should differ: {signs}" if signs else "move one of them to its place"
+    data["repair"] = f"delete one of the two if it is a leftover; else {move}"
     return PlaceMistake(message="coincident", joints=(one, other), at=at, related=(related,), data=data)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import TYPE_CHECKING
@@ -9,8 +10,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.likeness.mirror import measure_deviation, measure_outline_mismatch
 from urdfcheck.model.fact import fact
-from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair, list_named_pairs, mirror_pairs
 from urdfcheck.model.likeness.mirrored_joints import (
     WITNESSES,
@@ -18,7 +20,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
     are_parents_mirrored,
     measure_axis_offset,
 )
-from urdfcheck.model.likeness.shape_comparison import compute_centroid, get_outline, is_alike
+from urdfcheck.model.likeness.shape_comparison import ALIKE, DIFFERENT, compute_centroid, get_outline, is_alike
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
@@ -272,7 +274,8 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
     """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else.
 
     A mirror flips one coordinate, and half a turn flips two and turns the frame: so the frames are parallel, or turned like those
-    of another pair which flips one. The joints of that pair come third.
+    of another pair which flips one. The joints of that pair come third. Where the drawing is turned in its frame instead, both
+    are in place.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -289,8 +292,37 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
     for one, other, count, turn in pairs:
         is_parallel = np.abs(turn - np.eye(3)).max() < _PARALLEL
         shown = () if is_parallel else next((known[:2] for known in pairs if _shows_turn(known, one, turn)), ())
-        if count == 2 and (is_parallel or shown):
+        if count == 2 and (is_parallel or shown) and not _are_drawn_half_turned(model, one, other):
             yield one, other, shown
+
+
+def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
+    """Whether the links of two joints, whose origins differ in the signs of two coordinates, draw one part in two poses, half a
+    turn apart, and neither mirrored in one of the two nor as it is. Where the drawings are not known, their inertials show it."""
+    frames = one.origin.matrix, other.origin.matrix
+    if frames[0] is None or frames[1] is None:
+        return False
+    signs = np.sign(np.array(one.origin.xyz or (0.0, 0.0, 0.0)) * np.array(other.origin.xyz or (0.0, 0.0, 0.0)))
+    flipped = np.flatnonzero(signs < 0.0)
+    mismatches = []
+    for axes in ([*flipped], [flipped[0]], [flipped[1]], []):
+        flip = np.eye(3)
+        flip[axes, axes] = -1.0
+        mismatches.append(_measure_mismatch(model, one, other, frames[1][:3, :3].T @ flip @ frames[0][:3, :3]))
+    turned, *others = mismatches
+    return turned <= ALIKE and min(others) > DIFFERENT
+
+
+def _measure_mismatch(model: Model, one: Joint, other: Joint, linear: Array) -> float:
+    """Measure how far the child of one joint, turned or mirrored in its frame, is from that of the other; infinite where
+    that is not known."""
+    first, second = (get_outline(model, joint.child) for joint in (one, other))
+    if first is not None and second is not None:
+        return measure_outline_mismatch(first, second, linear=linear, shift=np.zeros(3))
+    numbers = [read_declared_inertial(model.link_by_name[joint.child]) for joint in (one, other)]
+    if numbers[0] is None or numbers[1] is None:
+        return math.inf
+    return measure_deviation(numbers[1], turn_inertial(numbers[0], linear, com=linear @ numbers[0].com)).worst
 
 
 def _shows_turn(pair: tuple[Joint, Joint, int, Array], joint: Joint, turn: Array) -> bool:

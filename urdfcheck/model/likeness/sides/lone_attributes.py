@@ -97,8 +97,27 @@ def _find_lone_moving_place(model: Model) -> Iterator[LoneAttribute]:
     if len(odd) != 1 or len(pairs) <= _FIXED_WITNESSES or is_alike(model, odd[0][0].child, odd[0][1].child) is False:
         return
     one, other = odd[0]
+    if _may_be_off_centre(odd[0], pairs):
+        return
     if _agree(odd[0], "axis") and _is_displaced(model, odd[0], pairs) and not is_taken_back(model, other, one):
         yield LoneAttribute(joint=other, twin=one, attribute="xyz", witnesses=len(pairs) - 1)
+
+
+def _may_be_off_centre(pair: tuple[Joint, Joint], pairs: Sequence[tuple[Joint, Joint]]) -> bool:
+    """Whether two joints on one link differ only in the coordinate in which they are opposite: the frame of the link may be
+    beside its middle. Another pair on the link that is opposite there, and agrees, shows that it is not."""
+    one, other = pair
+    first, second = (np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in pair)
+    differs = np.abs(np.abs(first) - np.abs(second)) > _SAME["xyz"]
+    if one.parent != other.parent or differs.sum() != 1 or not first @ np.where(differs, second, 0.0) < 0.0:
+        return False
+    return not any(
+        known is not pair
+        and known[0].parent == known[1].parent == one.parent
+        and float(np.array(known[0].origin.xyz or (0.0, 0.0, 0.0)) @ np.where(differs, known[1].origin.xyz, 0.0)) < 0.0
+        for known in pairs
+        if known[1].origin.xyz is not None
+    )
 
 
 def _is_in_limb(model: Model, pair: tuple[Joint, Joint]) -> bool:

@@ -88,7 +88,10 @@ def _find_in_named_pairs(model: Model) -> Iterator[_Pair]:
         return
     witnesses = [pair for pair in pairs if pair is not only and pair.is_shown]
     like = [pair for pair in witnesses if pair.one.parent == pair.other.parent == only.one.parent]
-    if len(witnesses) >= (1 if _is_slipped_point(only) else _WITNESSES) or any(p.across == only.across for p in like):
+    is_centred = any(p.across == only.across for p in like)
+    if is_on_one_link and only.lone == only.across and not (is_centred or _is_slipped_point(only)):
+        return  # the frame of the link may be beside its middle
+    if len(witnesses) >= (1 if _is_slipped_point(only) else _WITNESSES) or is_centred:
         yield only
 
 

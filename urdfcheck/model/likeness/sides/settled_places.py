@@ -9,6 +9,7 @@ import numpy as np
 
 from urdfcheck.facts.likeness.mirror import MirrorPlane
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair
+from urdfcheck.model.likeness.mirrored_joints import measure_axis_offset
 from urdfcheck.model.likeness.shape_comparison import compute_centroid, is_alike
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.robot import Model
@@ -16,6 +17,8 @@ from urdfcheck.model.robot import Model
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
+# Drawings that are so many times nearer to mirror images than the frames of their joints show where the parts are (chosen).
+_NEARER = 5.0
 # So many other pairs are drawn on both sides of one plane before it is the robot's.
 _WITNESSES = 2
 
@@ -27,6 +30,22 @@ def is_settled(model: Model, links: Sequence[str], pairs: Sequence[MirrorPair]) 
     """
     own = [pair for pair in pairs if {*links} <= {pair.one, pair.other}]
     return any(_is_drawn_in_place(model, pair, pairs) or _is_crossed(model, pair, pairs) for pair in own)
+
+
+def is_drawn_nearer(model: Model, pair: MirrorPair, distance: float) -> bool:
+    """Whether what a pair draws is far nearer to mirror images than the frames of its joints, which are ``distance`` m off, and
+    the joints are on the same lines, or fixed: then only the frames are placed otherwise, and a new origin would move the parts
+    out of place.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    one, other = compute_centroid(model, pair.one), compute_centroid(model, pair.other)
+    if one is None or other is None or not is_alike(model, pair.one, pair.other):
+        return False
+    is_fixed = all(model.tree.parent_joint[name].type == "fixed" for name in (pair.one, pair.other))
+    across = 0.0 if is_fixed else measure_axis_offset(model, pair)
+    drawn = float(np.linalg.norm(pair.plane.reflect_points(one) - other))
+    return _NEARER * max(across, drawn) <= distance
 
 
 def _is_drawn_in_place(model: Model, pair: MirrorPair, pairs: Sequence[MirrorPair]) -> bool:
