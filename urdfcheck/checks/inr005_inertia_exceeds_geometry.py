@@ -32,7 +32,7 @@ from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_p
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
-from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
+from urdfcheck.model.inertials.habits.stated_purposes import is_called_negligible
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
@@ -43,6 +43,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     has_negligible_moment,
     is_stand_in,
 )
+from urdfcheck.model.inertials.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
@@ -102,6 +103,11 @@ class _Advice:
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
+    findings = set_chosen_aside(model, rule, _check(model, rule, ratio=ratio, margin=margin), ())
+    yield from set_lost_aside(model, rule, findings)
+
+
+def _check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
     # Wheels with one inertia are one finding.
     findings = _check_each_link(model, rule, ratio=ratio, margin=margin)
     yield from merge_identical(rule, findings, "link", varying=("remedy", "comparison"))
@@ -121,7 +127,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf or (is_speck and excess < _OF_SPECK):
             continue
-        if excess < VAST and (is_stand_in(part) or has_stated_purpose(model, part.link)):
+        if excess < VAST and is_stand_in(part):
             continue
         if has_unknown_mass(model, part.link, part.mass, declared.tensor) or is_called_negligible(model, part.link):
             continue

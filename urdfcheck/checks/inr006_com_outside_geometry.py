@@ -23,6 +23,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     enclosed_inertials,
     is_stand_in,
 )
+from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
@@ -54,6 +55,10 @@ class _SignRepair:
 
 
 def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, margin=margin), is_about_com=True)
+
+
+def _check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
     for part in enclosed_inertials(model):
         if not has_drawn_shape(part.link):
             continue

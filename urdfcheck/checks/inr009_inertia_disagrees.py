@@ -52,6 +52,7 @@ from urdfcheck.model.inertials.inertial_effects import (
     measure_mismatch,
 )
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
+from urdfcheck.model.inertials.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
@@ -122,6 +123,8 @@ _FAR_SMALLER = 0.2
 _OWN_SUM = 2.0
 # Mistakes of place and direction: the numbers may be right, and what is drawn be out of place.
 _OF_PLACE = frozenset({"axes_permuted", "quarter_turn", "unmirrored", "mesh_frame"})
+# Mistakes about the COM: a reason for masses and moments is none for them.
+_OF_COM = frozenset({"com_missing", "com_unit", "mesh_frame"})
 # A tensor that stays farther off than this share of the drawn part's (chosen) is not that of the part.
 _NEAR = 0.25
 # Of a tensor that only has other axes, digits and facets leave less than this share (chosen).
@@ -143,6 +146,11 @@ _POSSIBLE_TERM = (
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
+    findings = set_chosen_aside(model, rule, _check(model, rule, far=far, concentrated=concentrated), _OF_COM)
+    yield from set_lost_aside(model, rule, findings)
+
+
+def _check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     # Legs with the same mistake are one finding.
     findings = _check_each_link(model, rule, far=far, concentrated=concentrated)
     yield from merge_identical(rule, findings, "link", varying=PER_LINK_DATA)

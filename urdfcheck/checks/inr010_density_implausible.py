@@ -20,6 +20,7 @@ from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
+from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
@@ -64,6 +65,10 @@ class _PaddedHull:
 
 
 def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, margin=margin, least=least, thinnest=thinnest))
+
+
+def _check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
     dense = [
         found
         for part in enclosed_inertials(model)

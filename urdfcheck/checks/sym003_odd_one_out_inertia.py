@@ -17,6 +17,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
+from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import turn_inertial
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies
@@ -45,6 +46,10 @@ _MIDDLE = MirrorPlane(np.array((0.0, 1.0, 0.0)), 0.0)
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, differ=differ, note=note))
+
+
+def _check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     reported: set[str] = set()
     for finding in _compare_copies(model, rule, differ=differ, note=note):
         reported |= {subject.partition("/")[0] for subject in finding.subjects}

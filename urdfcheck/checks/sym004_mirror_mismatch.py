@@ -32,6 +32,7 @@ from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inert
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
+from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     PairSide,
@@ -121,6 +122,10 @@ _SAME_AXES = 1e-6
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, differ=differ, note=note))
+
+
+def _check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
     mistakes = list(iter_place_mistakes(model, pairs))
     misplaced = {joint.name for mistake in mistakes for joint in mistake.joints}
