@@ -19,6 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.proposals.zero_moments import is_point_about_origin
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
@@ -71,6 +72,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         smallest, largest = _compute_moment_extremes(components)
         if is_point_mass(declared.inertial):
             points.append(declared)
+        elif smallest <= rel_tol * largest and is_point_about_origin(declared):
+            yield _build_term_finding(rule, declared, is_possible=smallest >= -rel_tol * largest)
         elif any(components[i] < 0 for i in DIAGONAL) or smallest < -rel_tol * largest:
             whole = find_merged_body(model, declared.link)
             possible = whole is not None and whole.is_physically_valid(rel_tol)
@@ -126,6 +129,18 @@ def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
         excess=-wrong.smallest / wrong.largest,
         typed=wrong.rounding.typed_digits,
         digits=wrong.rounding.digits,
+    )
+
+
+def _build_term_finding(rule: Rule, declared: DeclaredTensor, *, is_possible: bool) -> Finding:
+    """Report a tensor of a point at the COM, about the link's origin: more digits leave the third moment zero."""
+    return rule.finding(
+        "term",
+        at=declared.element,
+        severity=Severity.WARNING if is_possible else None,
+        consequences=dict.fromkeys(("gazebo", "drake", "pinocchio"), "loads it") if is_possible else {},
+        link=declared.link.name,
+        mass=declared.inertial.mass,
     )
 
 

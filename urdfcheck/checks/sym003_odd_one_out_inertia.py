@@ -38,6 +38,8 @@ MIN_CERTAIN_MISS = 0.5
 _COM_APART = 0.05
 # And one so near is (chosen: the rounding of numbers and facets).
 _SAME_COM = 1e-3
+# Numbers that a program computed from a mesh are its own to within this share (chosen: digits and facets).
+_OWN_NUMBERS = 0.01
 # No motor makes one of two copies ten times as heavy; a decimal point does. Slightly less, for rounded numbers. Nor does it make
 # a moment ten times as large where the masses are equal to this share.
 SLIPPED_POINT, _SAME_MASS = 9.9, 0.01
@@ -65,7 +67,7 @@ def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> 
         diagnosed = inertial_diagnoses(model).get(odd.link.name)
         if diagnosed is not None and diagnosed.diagnosis.judged_by == "twin" and not diagnosed.diagnosis.at_fault:
             continue  # its numbers fit its drawing: all others may have the same mistake
-        if _has_com_of_own_mesh(model, odd, note):
+        if _has_com_of_own_mesh(model, odd, note) or _has_numbers_of_own_mesh(model, odd):
             continue
         names = join_names(link.name for link in odd.by)
         why = f"{len(odd.by)} links that draw the same part ({names}) agree with each other"
@@ -199,6 +201,24 @@ def _has_com_of_own_mesh(model: Model, odd: CopyComparison, note: float) -> bool
             continue
         actual, expected = (float(np.linalg.norm(d.com - drawn.solid.com)) for d in (odd.actual, odd.expected))
         if actual <= _SAME_COM * measure_extent(drawn.points) and expected > MIN_DEVIATION_RATIO * actual:
+            return True
+    return False
+
+
+def _has_numbers_of_own_mesh(model: Model, odd: CopyComparison) -> bool:
+    """Whether COM and tensor of a link are those of what it draws, or of the convex hull of that, and what the others say is not:
+    then theirs are those of another part."""
+    drawn = measure_link_geometry(model, odd.link)
+    if drawn is None:
+        return False
+    for solid in (drawn.solid, drawn.hull):
+        if solid is None or not solid.volume > 0.0:
+            continue
+        actual, expected = (
+            measure_deviation(one, DeclaredInertial(one.mass, solid.com, compute_solid_inertia(solid, one.mass))).worst
+            for one in (odd.actual, odd.expected)
+        )
+        if actual <= _OWN_NUMBERS and expected > MIN_DEVIATION_RATIO * actual:
             return True
     return False
 

@@ -92,7 +92,8 @@ def _list_links(model: Model, finding: Finding) -> list[Link]:
     """List the links whose inertials a finding is about; empty where it is about anything else as well, such as a drawing."""
     if not all(map(_OF_INERTIAL.match, finding.subjects)):
         return []
-    names = [_LINK.match(subject) for subject in (*finding.subjects, *finding.data.get("between", ()))]
+    others = [place.subject for place in finding.related if _OF_INERTIAL.match(place.subject)]
+    names = [_LINK.match(subject) for subject in (*finding.subjects, *others, *finding.data.get("between", ()))]
     if not all(names):
         return []
     found = [model.link_by_name.get(name[1]) for name in names if name is not None]

@@ -33,6 +33,7 @@ from urdfcheck.model.repairs.edits import change_numbers, describe_remedy, edit_
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.model.repairs.rpy_text import format_angle
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -45,6 +46,8 @@ _MINOR, _NOTABLE = 5e-3, 0.2
 _SIDEWAYS, _ACROSS = 0.05, 0.95
 # Cosine of the angle between axes of one plane: 1°.
 _PARALLEL = 1 - 1.5e-4
+# Drawings are in their places within this share of what their frames are off (chosen).
+_IN_PLACE = 0.2
 # Parts whose frames are where their makers say: the lens of a camera, not its middle.
 _SENSOR_WORDS = frozenset(
     {
@@ -113,10 +116,32 @@ def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[Pl
     yield from map(_describe_lone_turn, iter_lone_turns(model, pairs))
     for pair in pairs:
         off = find_misplaced_joint(model, pair, pairs)
-        if off is not None and not (off.distance and is_settled(model, [pair.one, pair.other], pairs)):
+        if off is not None and not (
+            off.distance and (is_settled(model, [pair.one, pair.other], pairs) or _are_drawn_mirrored(model, pair, off))
+        ):
             yield _describe_misplaced_joint(model, off)
     yield from map(_describe_slip, iter_lone_coordinates(model))
     yield from map(_describe_lone_attribute, iter_lone_attributes(model))
+
+
+def _are_drawn_mirrored(model: Model, pair: MirrorPair, off: MisplacedJoint) -> bool:
+    """Whether the frames of two joints are apart along their axes alone, and what the links show is in place: a wheel whose mesh
+    has its origin on its inner face turns about the same line wherever on that the joint is."""
+    one, other = (
+        compute_bounding_box(model, [(shape, model.frames[name]) for shape in model.link_by_name[name].visuals])
+        for name in (pair.one, pair.other)
+    )
+    matrix, xyz = off.joint.origin.matrix, off.joint.origin.xyz
+    if one is None or other is None or matrix is None or xyz is None:
+        return False
+    axis = matrix[:3, :3] @ np.array(off.joint.axis or (1.0, 0.0, 0.0))
+    axis /= max(float(np.linalg.norm(axis)), 1e-300)
+    away = np.array(xyz) - off.places[1]
+    if float(np.linalg.norm(away - axis * float(axis @ away))) > _SIDEWAYS * float(np.linalg.norm(away)):
+        return False
+    image = pair.plane.reflect_points(one)
+    ends = [np.array((box.min(axis=0), box.max(axis=0))) for box in (image, other)]
+    return float(np.abs(ends[0] - ends[1]).max()) < _IN_PLACE * off.distance
 
 
 def _describe_misplaced_joint(model: Model, off: MisplacedJoint) -> PlaceMistake:
