@@ -122,7 +122,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             continue
         declared = model.tensor_by_name[part.link.name]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, the excess must be there in all readings.
-        excess, spread, slack = min(
+        excess, typed, spread, slack = min(
             _compute_excess(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf or (is_speck and excess < _OF_SPECK):
@@ -161,11 +161,11 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             comparison=advice.comparison,
             explained=advice.explained,
             link=part.link.name,
-            ratio=float(f"{excess:.3g}"),
-            wider=float(f"{excess**0.5:.3g}"),
+            ratio=float(f"{typed:.3g}"),
+            wider=float(f"{typed**0.5:.3g}"),
             mass=part.mass,
             spread=float(f"{spread:.3g}"),
-            most=float(f"{spread / excess**0.5:.3g}"),
+            most=float(f"{spread / typed**0.5:.3g}"),
             around=part.geometry_phrase,
             slack=format_length(slack),
             undrawn="" if excess >= VAST else ", or draw the parts that are missing",
@@ -392,9 +392,10 @@ def _fits_unit(model: Model, part: EnclosedInertial, factor: float, ratio: float
 
 def _compute_excess(
     part: EnclosedInertial, declared: DeclaredTensor, points: Array, *, ratio: float, margin: float
-) -> tuple[float, float, float]:
-    """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, its root (m) there, and by
-    how much (m) the geometry was enlarged on all sides. Of the variance, what rounding may have added is left out.
+) -> tuple[float, float, float, float]:
+    """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, without what rounding may
+    have added to it; that of what is typed, and the root (m) of its variance; and by how much (m) the geometry was enlarged on
+    all sides.
 
     If the centre of mass is outside, the geometry is enlarged until it is inside.
     """
@@ -404,9 +405,13 @@ def _compute_excess(
     if ratios.max() > ratio and (distance := measure_hull_distance(points, part.com)) > 0.0:
         slack += distance
         ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
+    excess = float(ratios.max())
+    if excess > ratio:
+        covariance = part.covariance
+        ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
     worst = int(ratios.argmax())
     variance = float(axes[:, worst] @ covariance @ axes[:, worst])
-    return float(ratios[worst]), max(0.0, variance) ** 0.5, slack
+    return excess, float(ratios[worst]), max(0.0, variance) ** 0.5, slack
 
 
 def _fits_elsewhere(

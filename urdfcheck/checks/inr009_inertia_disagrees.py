@@ -500,7 +500,7 @@ def _build_cause_finding(
     other_mass = _find_other_mass(judged) if mended is not None else None
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
-    elif (cause == "shell" and has_com_of_shell(model, link)) or _is_meant_hollow(judged):
+    elif (cause == "shell" and has_com_of_shell(model, link)) or _is_meant_hollow(link, judged):
         message = "hollow"
     elif cause == "com_missing" and _is_com_of_collision(model, link, judged):
         message = "centres"
@@ -542,14 +542,14 @@ def _build_cause_finding(
     has_another = message == "named" and _leaves_another_mistake(model, link, judged)
     has_other_axes = has_another and cause in _OF_AXES  # and is not that of the drawn part in any
     # The mass, or the drawing, is as likely to be wrong, or another number is wrong as well.
-    without_edits = message in {"size", "rotated"} or _is_meant_hollow(judged) or has_another
+    without_edits = message in {"size", "rotated"} or _is_meant_hollow(link, judged) or has_another
     without_edits |= message == "named" and _is_in_doubtful_file(model, cause)
     if has_little_effect and not vast and message in _WITH_EFFECT:
         message = "slight"
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=None if message in _WITHOUT_CAUSE or _is_meant_hollow(judged) or has_other_axes else cause,
+        cause=None if message in _WITHOUT_CAUSE or _is_meant_hollow(link, judged) or has_other_axes else cause,
         edits=() if mended is None or without_edits else mended.edits,
         related=[
             *_list_twins(model, judged),
@@ -567,9 +567,12 @@ def _build_cause_finding(
     )
 
 
-def _is_meant_hollow(judged: DiagnosedInertial) -> bool:
+def _is_meant_hollow(link: Link, judged: DiagnosedInertial) -> bool:
     """Whether a formula is that of the hollow body of a drawn cylinder or sphere: URDF has no shape for a tube, so that a rim is
-    drawn as a solid."""
+    drawn as a solid. The box around a sphere has the moments of its shell."""
+    shapes = link.visuals or link.collisions
+    if judged.diagnosis.cause == "bounding_box" and len(shapes) == 1 and shapes[0].kind == "sphere":
+        return True
     return judged.diagnosis.cause == "wrong_formula" and judged.diagnosis.detail in _HOLLOW_BODIES
 
 

@@ -12,6 +12,8 @@ from urdfcheck.model.robot import Model
 
 # A tensor is that of a point to within this share of its largest moment: four typed digits.
 _OF_POINT = 1e-3
+# Programs that round a moment (kg m²) keep more than two decimals.
+_FEW_DECIMALS = 5e-3
 # A COM on an axis makes a tensor of a line, as a thin rod has.
 _COORDINATES = 2
 # Where the moments are in ``ixx ixy ixz iyy iyz izz``.
@@ -29,9 +31,9 @@ def has_lost_moment(model: Model, declared: DeclaredTensor) -> bool:
 
 
 def has_bare_zeros(declared: DeclaredTensor) -> bool:
-    """Whether two moments were typed as 0 without decimals, beside one that is not: nothing was rounded there."""
+    """Whether two moments were typed as 0 without decimals, beside one that no program rounds so: 1e-6 is one of few decimals."""
     texts = [declared.texts[place] for place in _DIAGONAL]
-    return texts.count("0") == len(texts) - 1
+    return texts.count("0") == len(texts) - 1 and float(np.abs(declared.tensor.diagonal()).max()) >= _FEW_DECIMALS
 
 
 def is_point_about_origin(declared: DeclaredTensor) -> bool:
