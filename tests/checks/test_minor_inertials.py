@@ -94,3 +94,21 @@ def test_a_reason_for_moments_is_none_for_a_com(tmp_path: Path) -> None:
     text = make_carrier(0.1, moment=4e-5, com="0.2 0 0", kind="revolute", more=OPEN).replace("<inertia ", told + " ")
     (finding,) = find(tmp_path, text, "INR006")
     assert finding.severity is Severity.WARNING
+
+
+@pytest.mark.parametrize("is_kept", [True, False])
+def test_a_copied_tensor_may_replace_one_that_a_comment_keeps(tmp_path: Path, is_kept: bool) -> None:
+    kept = '<!--inertia ixx="7.86e-05" ixy="0" ixz="0" iyy="9.69e-05" iyz="0" izz="9.99e-05"/-->' if is_kept else ""
+    own = inertial(0.1, ixx="8.5833e-04", iyy="7.5833e-04", izz="5.123e-04").replace("<inertia ", kept + "<inertia ")
+    arms = [
+        link(f"{name}_arm", own, visual(box(size)))
+        for name, size in (("upper", "0.3 0.1 0.1"), ("lower", "0.1 0.05 0.04"))
+    ]
+    text = robot(
+        HULL,
+        *arms,
+        joint("a", "hull", "upper_arm", OPEN, kind="revolute"),
+        joint("b", "upper_arm", "lower_arm", OPEN, kind="revolute"),
+    )
+    (finding,) = find(tmp_path, text, "INR008")
+    assert (finding.message_id == "chosen") == is_kept

@@ -85,7 +85,7 @@ _OWN_FACTORS = 1.25
 _TYPED = 5e-3
 # A tensor is the drawn part's at another mass to within this share: chosen; 0.04 in the case that led to it.
 _OWN = 0.05
-_LONE_FRAME = "remove the <inertial> if the link is only a frame, or "
+_LONE_FRAME = "write the mass and tensor of a small part if the link is only a frame, or "
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
 
@@ -103,7 +103,7 @@ class _Advice:
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
-    findings = set_chosen_aside(model, rule, _check(model, rule, ratio=ratio, margin=margin), ())
+    findings = set_chosen_aside(model, rule, _check(model, rule, ratio=ratio, margin=margin))
     yield from set_lost_aside(model, rule, findings)
 
 

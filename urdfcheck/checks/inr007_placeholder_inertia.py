@@ -20,7 +20,7 @@ from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.minor_findings import is_lost, set_lost_aside
-from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
+from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, is_untouched, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
@@ -176,7 +176,7 @@ def _describe_placeholder(model: Model, link: Link) -> str | None:
 
 def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed: float) -> _Misfit | None:
     """Compare a tensor with the drawn part; if programs disagree about the size of a mesh (MSH008), return the better fit."""
-    if not has_drawn_shape(declared.link):
+    if not has_drawn_shape(declared.link) or is_collision_of_detail(model, declared.link):
         return None
     units = (True, False) if has_unit_ambiguity(model, (declared.link.name,)) else (True,)
     misfits = []

@@ -19,7 +19,7 @@ from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import LIGHT, is_light, is_vast
-from urdfcheck.model.inertials.minor_findings import set_lost_aside
+from urdfcheck.model.inertials.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import compute_body_tensor, is_point_mass
 from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
@@ -82,7 +82,8 @@ class _InertiaSignature:
 
 
 def check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator[Finding]:
-    yield from set_lost_aside(model, rule, _check(model, rule, shape=shape, moments=moments))
+    findings = set_chosen_aside(model, rule, _check(model, rule, shape=shape, moments=moments), by_replaced=True)
+    yield from set_lost_aside(model, rule, findings)
 
 
 def _check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator[Finding]:

@@ -18,6 +18,7 @@ from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.stated_reasons import has_commented_child
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -74,18 +75,25 @@ def set_lost_aside(
 
 
 def set_chosen_aside(
-    model: Model, rule: Rule, findings: Iterable[Finding], causes: Container[str]
+    model: Model, rule: Rule, findings: Iterable[Finding], causes: Container[str] = (), *, by_replaced: bool = False
 ) -> Iterator[Finding]:
     """Make notes of the findings about links beside whose numbers a comment gives the reason, with the message ``chosen``.
 
-    ``causes``: those of mistakes that no reason excuses.
+    ``causes``: those of mistakes that no reason excuses; ``by_replaced``: a comment that holds another tensor, which the author
+    replaced, is one too.
     """
     for finding in findings:
         links = [] if finding.cause is not None and finding.cause.id in causes else _list_links(model, finding)
-        if links and all(has_stated_purpose(model, link) for link in links):
+        if links and all(
+            has_stated_purpose(model, link) or (by_replaced and _has_replaced_tensor(model, link)) for link in links
+        ):
             yield _make_note(rule, finding, "chosen")
         else:
             yield finding
+
+
+def _has_replaced_tensor(model: Model, link: Link) -> bool:
+    return link.inertial is not None and has_commented_child(model, link.inertial.element, "inertia")
 
 
 def _list_links(model: Model, finding: Finding) -> list[Link]:

@@ -159,7 +159,7 @@ def _is_replaced_by_collision(model: Model, link: Link) -> bool:
     return explain_collision_stand_in(model, link) in _WHY_NOT_DRAWN
 
 
-def _is_collision_of_detail(model: Model, link: Link) -> bool:
+def is_collision_of_detail(model: Model, link: Link) -> bool:
     """Whether the collision shapes that replace an open mesh are far smaller: those of the motor alone of a leg, for example."""
     if explain_collision_stand_in(model, link) != "open":
         return False
@@ -202,7 +202,7 @@ def _compute_from_geometry(model: Model, link: Link, *, with_com: bool = False) 
     inertial, drawn = link.inertial, measure_link_geometry(model, link)
     if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
         return None
-    if _is_collision_of_detail(model, link):
+    if is_collision_of_detail(model, link):
         return None
     size = float(np.trace(drawn.solid.covariance))
     if not size > 0.0:  # a surface that is not a solid, or numbers too large to square
