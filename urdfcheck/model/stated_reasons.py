@@ -91,14 +91,16 @@ def has_reason_behind(model: Model, attribute: Attribute) -> bool:
 
 
 def has_commented_child(model: Model, element: Element, tag: str) -> bool:
-    """Whether a comment in an element holds a child ``<tag>`` of it that was left out."""
+    """Whether a comment in an element holds a child ``<tag>`` of it that was left out, also as ``<!--tag …/-->``."""
     span = element.span
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None or file.text.endswith("/>", span.start, span.end):
         return False
+    name = re.escape(tag)
+    child = re.compile(rf"<{name}[\s>]|\A{name}(?:>|\s+\w+=)")
     for found in re.compile(rf"<!--(.*?)-->|</{re.escape(element.tag)}\b", re.DOTALL).finditer(file.text, span.end):
         if found[1] is None:
             return False
-        if re.search(rf"<{re.escape(tag)}[\s>]", found[1]):
+        if child.search(found[1]):
             return True
     return False
