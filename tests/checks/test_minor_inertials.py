@@ -112,3 +112,30 @@ def test_a_copied_tensor_may_replace_one_that_a_comment_keeps(tmp_path: Path, is
     )
     (finding,) = find(tmp_path, text, "INR008")
     assert (finding.message_id == "chosen") == is_kept
+
+
+def test_the_numbers_of_a_links_own_hull_are_not_outvoted(tmp_path: Path) -> None:
+    """Four tips of one drawing; one has its numbers, the others those of a longer part."""
+    own = {"ixx": 0.05 * (0.04**2 + 0.06**2) / 12, "iyy": 0.05 * (0.02**2 + 0.06**2) / 12}
+    own |= {"izz": 0.05 * (0.02**2 + 0.04**2) / 12}
+    others = {name: 2.1 * value for name, value in own.items()} | {"izz": 1.2 * own["izz"]}
+    fingers = []
+    for i in range(4):
+        numbers, com = (own, "0 0 0.03") if i == 0 else (others, "0 0 0.045")
+        part = link(f"tip_{i}", inertial(0.05, com=com, **numbers), visual(box("0.02 0.04 0.06"), xyz="0 0 0.03"))
+        fingers += [part, joint(f"j{i}", "hull", f"tip_{i}", origin(xyz=f"0 {0.1 * i} 0.3"), OPEN, kind="revolute")]
+    assert find(tmp_path, robot(HULL, *fingers), "SYM003") == []
+
+
+def test_a_wheel_that_is_drawn_in_its_place_is_not_off(tmp_path: Path) -> None:
+    """The frames of the right wheels are on their inner faces, those of the left ones on their outer faces."""
+    parts = []
+    for end, x in (("front", 0.2), ("rear", -0.2)):
+        for side, y, shift in (("left", 0.16, -0.03), ("right", -0.1, -0.03)):
+            name = f"{end}_{side}_wheel"
+            own = inertial(0.5, ixx=0.0008, iyy=0.0014, izz=0.0008, com=f"0 {shift} 0")
+            drawn = visual(cylinder(0.07, 0.06), xyz=f"0 {shift} 0", rpy="1.5707963267948966 0 0")
+            turns = origin(xyz=f"{x} {y} 0") + '<axis xyz="0 1 0"/>'
+            parts += [link(name, own, drawn), joint(f"{name}_joint", "hull", name, turns, kind="continuous")]
+    found = find(tmp_path, robot(HULL, *parts), "SYM004")
+    assert [finding.message_id for finding in found if finding.message_id == "origin"] == []

@@ -41,6 +41,7 @@ _FORMULAS = {
     "line": "write the third moment too: ½·m·r² for a bar of mass m and radius r",
     "point": "write the inertia tensor: 0.4·m·r² on the diagonal for a ball of mass m and radius r",
 }
+_MEANT_POINT = ", unless a point mass is meant, which only MuJoCo refuses"
 _BY_SHAPE = "compute the tensor from the shape of the part and its mass"
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 
@@ -253,6 +254,9 @@ def _check_singular_links(
     for declared in alone:
         point = NAN if message == "point" and _is_on_joint_axis(model, declared) else "loads it as a point mass"
         of_point = dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else {}
+        remedy = _collect_remedy(model, message, [declared], placeholders.get(declared.components))
+        if message == "point" and point != NAN:
+            remedy["remedy"] += _MEANT_POINT  # the textbook's pendulum is one
         yield rule.finding(
             message,
             at=declared.element,
@@ -261,7 +265,7 @@ def _check_singular_links(
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
-            **_collect_remedy(model, message, [declared], placeholders.get(declared.components)),
+            **remedy,
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
     severe = Severity.INFO if refused and is_loaded_for_frames(model) else Severity.WARNING
