@@ -74,7 +74,11 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         if is_point_mass(declared.inertial):
             points.append(declared)
         elif smallest <= rel_tol * largest and is_point_about_origin(declared):
-            yield _build_term_finding(rule, declared, is_possible=smallest >= -rel_tol * largest)
+            is_rounded = (
+                smallest > -rounding * largest
+                and measure_tensor_rounding(declared.texts, rel_tol).explained_by_rounding
+            )
+            yield _build_term_finding(rule, declared, is_possible=smallest >= -rel_tol * largest, is_rounded=is_rounded)
         elif any(components[i] < 0 for i in DIAGONAL) or smallest < -rel_tol * largest:
             whole = find_merged_body(model, declared.link)
             possible = whole is not None and whole.is_physically_valid(rel_tol)
@@ -133,12 +137,12 @@ def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
     )
 
 
-def _build_term_finding(rule: Rule, declared: DeclaredTensor, *, is_possible: bool) -> Finding:
+def _build_term_finding(rule: Rule, declared: DeclaredTensor, *, is_possible: bool, is_rounded: bool) -> Finding:
     """Report a tensor of a point at the COM, about the link's origin: more digits leave the third moment zero."""
     return rule.finding(
         "term",
         at=declared.element,
-        severity=Severity.WARNING if is_possible else None,
+        severity=Severity.WARNING if is_possible or is_rounded else None,
         consequences=dict.fromkeys(("gazebo", "drake", "pinocchio"), "loads it") if is_possible else {},
         link=declared.link.name,
         mass=declared.inertial.mass,

@@ -31,6 +31,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
+from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
 from urdfcheck.model.inertials.habits.stated_purposes import is_called_negligible
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
@@ -43,7 +44,6 @@ from urdfcheck.model.inertials.inertial_hull import (
     has_negligible_moment,
     is_stand_in,
 )
-from urdfcheck.model.inertials.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,

@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.mesh.diameter import measure_diameter
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.root_coms import find_root_coms
 from urdfcheck.model.inertials.inertial_hull import (
     NEGLIGIBLE_SHARE,
@@ -23,7 +24,6 @@ from urdfcheck.model.inertials.inertial_hull import (
     enclosed_inertials,
     is_stand_in,
 )
-from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame

@@ -17,9 +17,9 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
+from urdfcheck.model.inertials.habits.minor_findings import is_lost, set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
-from urdfcheck.model.inertials.minor_findings import is_lost, set_lost_aside
 from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, is_untouched, list_unturned_links

@@ -17,9 +17,9 @@ from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
+from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import LIGHT, is_light, is_vast
-from urdfcheck.model.inertials.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.rigid_bodies import compute_body_tensor, is_point_mass
 from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape

@@ -29,6 +29,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
     format_ruled_out,
     name_faulty_numbers,
 )
+from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
     changes_body_little,
@@ -52,7 +53,6 @@ from urdfcheck.model.inertials.inertial_effects import (
     measure_mismatch,
 )
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
-from urdfcheck.model.inertials.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
 from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison

@@ -17,10 +17,10 @@ from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
-from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape

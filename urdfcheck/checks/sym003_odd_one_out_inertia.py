@@ -14,10 +14,10 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.likeness.mirror import MirrorPlane, measure_deviation
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
-from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import turn_inertial
 from urdfcheck.model.likeness.identical_parts import CopyComparison, find_differing_pairs, find_odd_copies

@@ -27,12 +27,12 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.model import DeclaredTensor, Joint, Link, Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
-from urdfcheck.model.inertials.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
     PairSide,

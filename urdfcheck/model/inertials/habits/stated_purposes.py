@@ -23,7 +23,7 @@ _TINY_SHARE = 1e-3
 def has_stated_purpose(model: Model, link: Link) -> bool:
     """Whether a comment says why the numbers of a link are what they are, or it is called negligible.
 
-    The comment stands where the numbers were typed: in the ``<inertial>``, right before it or before the macro that makes it,
+    The comment is where the numbers were typed: in the ``<inertial>``, right before it or before the macro that makes it,
     behind the number of the mass, or above the properties that mass and tensor are computed from.
     """
     inertial = link.inertial

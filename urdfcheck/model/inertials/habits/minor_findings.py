@@ -97,7 +97,7 @@ def _has_replaced_tensor(model: Model, link: Link) -> bool:
 
 
 def _list_links(model: Model, finding: Finding) -> list[Link]:
-    """List the links whose inertials a finding is about; empty where it is about anything else as well, such as a drawing."""
+    """List the links whose inertials a finding is about; empty where it is about anything else, too, such as a drawing."""
     if not all(map(_OF_INERTIAL.match, finding.subjects)):
         return []
     others = [place.subject for place in finding.related if _OF_INERTIAL.match(place.subject)]
