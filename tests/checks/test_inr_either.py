@@ -143,7 +143,7 @@ def test_a_frame_that_draws_nothing_has_no_mesh_to_compute_from(tmp_path: Path) 
     )
     (finding,) = find(tmp_path, text, {"INR005"})
     assert finding.fix is not None
-    assert "remove the <inertial>" in finding.fix.title
+    assert "of a small part if the link is only a frame" in finding.fix.title
     assert "mesh" not in finding.fix.title
 
 

@@ -13,6 +13,7 @@ from urdfcheck.model.use.display import has_bare_joints, is_loaded_for_frames
 from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf, is_left_to_world, is_spawned_in_gazebo
 from urdfcheck.model.use.simulators import is_modelled_for_mujoco, is_started_in_simulator
 from urdfcheck.source.text.grammar import JOINT_TYPES
+from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
 # The targets that simulate robots.
 _SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
@@ -92,8 +93,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             joint=joint.name,
             lost=f"the link and the {format_count(behind, 'link')} behind it" if behind else "the link",
             behind=behind,
-            repair=_JOINING if behind else _LAST,
+            repair=(_JOINING if behind else _LAST) if message == "frame" else _describe_addition(model, links),
         )
+
+
+def _describe_addition(model: Model, links: list[Link]) -> str:
+    """Say what to add to a body; first what is there already, and is only called wrongly."""
+    elements = {id(link.element) for link in links}
+    calls = find_unprefixed_tags(model.source.trees, model.robot, only_calls=True)
+    called = next((call.tag for call in calls if call.parent is not None and id(call.parent) in elements), None)
+    if called is None:
+        return "add an <inertial> with mass, COM and inertia tensor"
+    return f"write <xacro:{called}> for <{called}> if that macro makes its <inertial> (XAC007); otherwise add one"
 
 
 def _check_assumed_masses(rule: Rule, moving: list[RigidLinkGroup], model: Model) -> Iterator[Finding]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.model import DeclaredMass, Link, Model
-from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.rigid_bodies import compute_body_mass, is_world_link
 
 # MuJoCo's mjMINVAL: programs treat less as zero.
 ZERO = 1e-15
@@ -50,7 +50,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 link=link.name,
                 mass=declared.mass,
             )
-        elif _is_world(model, link):
+        elif is_world_link(model, link):
             continue  # it is fixed already, and programs leave it out
         elif largest > ZERO:
             yield _build_massless_inertia_finding(model, rule, declared, largest=largest)
@@ -83,11 +83,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity=Severity.INFO,
             links=", ".join(declared.link.name for declared in helpers),
         )
-
-
-def _is_world(model: Model, link: Link) -> bool:
-    """Whether a link is the root by whose name programs fix a robot to the world."""
-    return link.name == "world" and not any(joint.child == link.name for joint in model.joints)
 
 
 def _classify_massless_link(model: Model, link: Link) -> str:

@@ -18,7 +18,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
-from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass
+from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, is_world_link
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value
 
@@ -61,6 +61,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         is_fused = whole is not None and whole.is_physically_valid(rel_tol)
         typed = measure_tensor_rounding(declared.texts, rel_tol)
         data = _collect_data(declared, excess, typed)
+        ignored = _predict_world(model, declared)
         if excess < rounding and typed.explained_by_rounding:
             if has_mistake(model, declared.link, "own_missing"):
                 continue  # more digits would not make the tensor right: INR009 reports it
@@ -96,6 +97,8 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         yield rule.finding(
             message,
             at=declared.element,
+            severity=Severity.WARNING if ignored else None,
+            consequences=ignored,
             cause=repair.cause,
             edits=repair.edits,
             found=repair.message,
@@ -120,6 +123,16 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             detail="" if slip is None else slip.detail,
             links=join_names(declared.link.name for declared in helpers),
         )
+
+
+def _predict_world(model: Model, declared: DeclaredTensor) -> dict[str, str]:
+    """Return what programs do with a link that stands for the world; nothing for any other."""
+    if not is_world_link(model, declared.link):
+        return {}
+    told = {"gazebo": "ignores the link: a root named world is the world"}
+    if declared.link.element.get("drake_ignore").strip() == "true":
+        told["drake"] = "ignores the link: it has drake_ignore"
+    return told
 
 
 def _build_rounded_finding(

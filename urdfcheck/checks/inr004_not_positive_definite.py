@@ -19,6 +19,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.proposals.zero_moments import is_point_about_origin
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
@@ -40,6 +41,7 @@ _FORMULAS = {
     "line": "write the third moment too: ½·m·r² for a bar of mass m and radius r",
     "point": "write the inertia tensor: 0.4·m·r² on the diagonal for a ball of mass m and radius r",
 }
+_MEANT_POINT = ", unless a point mass is meant, which only MuJoCo refuses"
 _BY_SHAPE = "compute the tensor from the shape of the part and its mass"
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
 
@@ -71,6 +73,12 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         smallest, largest = _compute_moment_extremes(components)
         if is_point_mass(declared.inertial):
             points.append(declared)
+        elif smallest <= rel_tol * largest and is_point_about_origin(declared):
+            is_rounded = (
+                smallest > -rounding * largest
+                and measure_tensor_rounding(declared.texts, rel_tol).explained_by_rounding
+            )
+            yield _build_term_finding(rule, declared, is_possible=smallest >= -rel_tol * largest, is_rounded=is_rounded)
         elif any(components[i] < 0 for i in DIAGONAL) or smallest < -rel_tol * largest:
             whole = find_merged_body(model, declared.link)
             possible = whole is not None and whole.is_physically_valid(rel_tol)
@@ -126,6 +134,18 @@ def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
         excess=-wrong.smallest / wrong.largest,
         typed=wrong.rounding.typed_digits,
         digits=wrong.rounding.digits,
+    )
+
+
+def _build_term_finding(rule: Rule, declared: DeclaredTensor, *, is_possible: bool, is_rounded: bool) -> Finding:
+    """Report a tensor of a point at the COM, about the link's origin: more digits leave the third moment zero."""
+    return rule.finding(
+        "term",
+        at=declared.element,
+        severity=Severity.WARNING if is_possible or is_rounded else None,
+        consequences=dict.fromkeys(("gazebo", "drake", "pinocchio"), "loads it") if is_possible else {},
+        link=declared.link.name,
+        mass=declared.inertial.mass,
     )
 
 
@@ -238,6 +258,9 @@ def _check_singular_links(
     for declared in alone:
         point = NAN if message == "point" and _is_on_joint_axis(model, declared) else "loads it as a point mass"
         of_point = dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else {}
+        remedy = _collect_remedy(model, message, [declared], placeholders.get(declared.components))
+        if message == "point" and point != NAN:
+            remedy["remedy"] += _MEANT_POINT  # the textbook's pendulum is one
         yield rule.finding(
             message,
             at=declared.element,
@@ -246,7 +269,7 @@ def _check_singular_links(
             consequences={**of_point, **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
-            **_collect_remedy(model, message, [declared], placeholders.get(declared.components)),
+            **remedy,
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
     severe = Severity.INFO if refused and is_loaded_for_frames(model) else Severity.WARNING

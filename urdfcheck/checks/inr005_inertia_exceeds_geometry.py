@@ -31,8 +31,9 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
+from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
-from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
+from urdfcheck.model.inertials.habits.stated_purposes import is_called_negligible
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass
@@ -84,7 +85,7 @@ _OWN_FACTORS = 1.25
 _TYPED = 5e-3
 # A tensor is the drawn part's at another mass to within this share: chosen; 0.04 in the case that led to it.
 _OWN = 0.05
-_LONE_FRAME = "remove the <inertial> if the link is only a frame, or "
+_LONE_FRAME = "write the mass and tensor of a small part if the link is only a frame, or "
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
 
@@ -102,6 +103,11 @@ class _Advice:
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
+    findings = set_chosen_aside(model, rule, _check(model, rule, ratio=ratio, margin=margin))
+    yield from set_lost_aside(model, rule, findings)
+
+
+def _check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
     # Wheels with one inertia are one finding.
     findings = _check_each_link(model, rule, ratio=ratio, margin=margin)
     yield from merge_identical(rule, findings, "link", varying=("remedy", "comparison"))
@@ -116,12 +122,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             continue
         declared = model.tensor_by_name[part.link.name]
         # If programs disagree about the size (MSH008) or the up axis of a mesh, the excess must be there in all readings.
-        excess, spread, slack = min(
+        excess, typed, spread, slack = min(
             _compute_excess(part, declared, points, ratio=ratio, margin=margin) for points in part.readings
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf or (is_speck and excess < _OF_SPECK):
             continue
-        if excess < VAST and (is_stand_in(part) or has_stated_purpose(model, part.link)):
+        if excess < VAST and is_stand_in(part):
             continue
         if has_unknown_mass(model, part.link, part.mass, declared.tensor) or is_called_negligible(model, part.link):
             continue
@@ -155,11 +161,11 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
             comparison=advice.comparison,
             explained=advice.explained,
             link=part.link.name,
-            ratio=float(f"{excess:.3g}"),
-            wider=float(f"{excess**0.5:.3g}"),
+            ratio=float(f"{typed:.3g}"),
+            wider=float(f"{typed**0.5:.3g}"),
             mass=part.mass,
             spread=float(f"{spread:.3g}"),
-            most=float(f"{spread / excess**0.5:.3g}"),
+            most=float(f"{spread / typed**0.5:.3g}"),
             around=part.geometry_phrase,
             slack=format_length(slack),
             undrawn="" if excess >= VAST else ", or draw the parts that are missing",
@@ -386,9 +392,10 @@ def _fits_unit(model: Model, part: EnclosedInertial, factor: float, ratio: float
 
 def _compute_excess(
     part: EnclosedInertial, declared: DeclaredTensor, points: Array, *, ratio: float, margin: float
-) -> tuple[float, float, float]:
-    """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, its root (m) there, and by
-    how much (m) the geometry was enlarged on all sides. Of the variance, what rounding may have added is left out.
+) -> tuple[float, float, float, float]:
+    """Return the worst ratio of the inertial's variance along an axis to the greatest possible one, without what rounding may
+    have added to it; that of what is typed, and the root (m) of its variance; and by how much (m) the geometry was enlarged on
+    all sides.
 
     If the centre of mass is outside, the geometry is enlarged until it is inside.
     """
@@ -398,9 +405,13 @@ def _compute_excess(
     if ratios.max() > ratio and (distance := measure_hull_distance(points, part.com)) > 0.0:
         slack += distance
         ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
+    excess = float(ratios.max())
+    if excess > ratio:
+        covariance = part.covariance
+        ratios, axes = compute_spread_ratios(points, part.com, covariance, margin=slack)
     worst = int(ratios.argmax())
     variance = float(axes[:, worst] @ covariance @ axes[:, worst])
-    return float(ratios[worst]), max(0.0, variance) ** 0.5, slack
+    return excess, float(ratios[worst]), max(0.0, variance) ** 0.5, slack
 
 
 def _fits_elsewhere(

@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.mesh.diameter import measure_diameter
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.root_coms import find_root_coms
 from urdfcheck.model.inertials.inertial_hull import (
     NEGLIGIBLE_SHARE,
@@ -54,6 +55,10 @@ class _SignRepair:
 
 
 def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, margin=margin), is_about_com=True)
+
+
+def _check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
     for part in enclosed_inertials(model):
         if not has_drawn_shape(part.link):
             continue

@@ -17,9 +17,10 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
+from urdfcheck.model.inertials.habits.minor_findings import is_lost, set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
-from urdfcheck.model.inertials.proposals.drawn_inertials import propose_from_geometry
+from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, is_untouched, list_unturned_links
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
@@ -82,6 +83,14 @@ class _PlaceholderInertial:
 
 
 def check(
+    model: Model, rule: Rule, *, factor: float, estimate: float, fraction: float, spread: float
+) -> Iterator[Finding]:
+    yield from set_lost_aside(
+        model, rule, _check(model, rule, factor=factor, estimate=estimate, fraction=fraction, spread=spread)
+    )
+
+
+def _check(
     model: Model, rule: Rule, *, factor: float, estimate: float, fraction: float, spread: float
 ) -> Iterator[Finding]:
     groups: dict[tuple[object, object, bool], list[_PlaceholderInertial]] = {}
@@ -167,7 +176,7 @@ def _describe_placeholder(model: Model, link: Link) -> str | None:
 
 def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed: float) -> _Misfit | None:
     """Compare a tensor with the drawn part; if programs disagree about the size of a mesh (MSH008), return the better fit."""
-    if not has_drawn_shape(declared.link):
+    if not has_drawn_shape(declared.link) or is_collision_of_detail(model, declared.link):
         return None
     units = (True, False) if has_unit_ambiguity(model, (declared.link.name,)) else (True,)
     misfits = []
@@ -352,7 +361,8 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
         drawn = [
             (declared.link, geometry)
             for declared in alike
-            if (geometry := measure_link_geometry(model, declared.link, apply_unit=unit)) is not None
+            if has_drawn_shape(declared.link)
+            and (geometry := measure_link_geometry(model, declared.link, apply_unit=unit)) is not None
         ]
         is_closed = is_closed and all(geometry.closed for _, geometry in drawn)
         # An open mesh has only the volume of its convex hull, and the others are then compared by theirs.
@@ -365,11 +375,14 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     if _are_inertias_computed(model, alike, mass, volumes=[volume for reading in readings for _, volume in reading]):
         return
     (small, least), *_, (large, most) = readings[0]
+    # Of links without weight of their own, all of it is in the others.
+    is_weightless = 2 * sum(is_lost(model, declared.link) for declared in alike) > len(alike)
+    is_unfelt = is_weightless or _count_bodies(model, alike) == 1 or is_never_weighed(model)
     finding = rule.finding(
         "mass",
         at=alike[0].attribute,
         related=[declared.attribute for declared in alike[1:]],
-        severity=Severity.INFO if _count_bodies(model, alike) == 1 or is_never_weighed(model) else None,
+        severity=Severity.INFO if is_unfelt else None,
         count=count,
         total=len(heavy),
         mass=mass,

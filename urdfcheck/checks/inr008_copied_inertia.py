@@ -17,6 +17,7 @@ from urdfcheck.facts.inertials.mistakes.tensor_slips import find_filled_products
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.inertials.diagnosis_words import NOTABLE
+from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import LIGHT, is_light, is_vast
 from urdfcheck.model.likeness.side_names import remove_places
@@ -81,6 +82,11 @@ class _InertiaSignature:
 
 
 def check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator[Finding]:
+    findings = set_chosen_aside(model, rule, _check(model, rule, shape=shape, moments=moments), by_replaced=True)
+    yield from set_lost_aside(model, rule, findings)
+
+
+def _check(model: Model, rule: Rule, *, shape: float, moments: float) -> Iterator[Finding]:
     groups: dict[tuple[str, ...], list[DeclaredTensor]] = {}
     for declared in model.tensors:
         # A mirrored part has products of the other sign.

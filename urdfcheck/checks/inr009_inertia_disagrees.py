@@ -29,6 +29,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
     format_ruled_out,
     name_faulty_numbers,
 )
+from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import (
     changes_body_little,
@@ -122,6 +123,8 @@ _FAR_SMALLER = 0.2
 _OWN_SUM = 2.0
 # Mistakes of place and direction: the numbers may be right, and what is drawn be out of place.
 _OF_PLACE = frozenset({"axes_permuted", "quarter_turn", "unmirrored", "mesh_frame"})
+# Mistakes about the COM: a reason for masses and moments is none for them.
+_OF_COM = frozenset({"com_missing", "com_unit", "mesh_frame"})
 # A tensor that stays farther off than this share of the drawn part's (chosen) is not that of the part.
 _NEAR = 0.25
 # Of a tensor that only has other axes, digits and facets leave less than this share (chosen).
@@ -143,6 +146,11 @@ _POSSIBLE_TERM = (
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
+    findings = set_chosen_aside(model, rule, _check(model, rule, far=far, concentrated=concentrated), _OF_COM)
+    yield from set_lost_aside(model, rule, findings)
+
+
+def _check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
     # Legs with the same mistake are one finding.
     findings = _check_each_link(model, rule, far=far, concentrated=concentrated)
     yield from merge_identical(rule, findings, "link", varying=PER_LINK_DATA)
@@ -492,7 +500,7 @@ def _build_cause_finding(
     other_mass = _find_other_mass(judged) if mended is not None else None
     if mended is not None and diagnosis.judged_by == "twin":
         message = "twin"
-    elif (cause == "shell" and has_com_of_shell(model, link)) or _is_meant_hollow(judged):
+    elif (cause == "shell" and has_com_of_shell(model, link)) or _is_meant_hollow(link, judged):
         message = "hollow"
     elif cause == "com_missing" and _is_com_of_collision(model, link, judged):
         message = "centres"
@@ -534,14 +542,14 @@ def _build_cause_finding(
     has_another = message == "named" and _leaves_another_mistake(model, link, judged)
     has_other_axes = has_another and cause in _OF_AXES  # and is not that of the drawn part in any
     # The mass, or the drawing, is as likely to be wrong, or another number is wrong as well.
-    without_edits = message in {"size", "rotated"} or _is_meant_hollow(judged) or has_another
+    without_edits = message in {"size", "rotated"} or _is_meant_hollow(link, judged) or has_another
     without_edits |= message == "named" and _is_in_doubtful_file(model, cause)
     if has_little_effect and not vast and message in _WITH_EFFECT:
         message = "slight"
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
-        cause=None if message in _WITHOUT_CAUSE or _is_meant_hollow(judged) or has_other_axes else cause,
+        cause=None if message in _WITHOUT_CAUSE or _is_meant_hollow(link, judged) or has_other_axes else cause,
         edits=() if mended is None or without_edits else mended.edits,
         related=[
             *_list_twins(model, judged),
@@ -559,9 +567,12 @@ def _build_cause_finding(
     )
 
 
-def _is_meant_hollow(judged: DiagnosedInertial) -> bool:
+def _is_meant_hollow(link: Link, judged: DiagnosedInertial) -> bool:
     """Whether a formula is that of the hollow body of a drawn cylinder or sphere: URDF has no shape for a tube, so that a rim is
-    drawn as a solid."""
+    drawn as a solid. The box around a sphere has the moments of its shell."""
+    shapes = link.visuals or link.collisions
+    if judged.diagnosis.cause == "bounding_box" and len(shapes) == 1 and shapes[0].kind == "sphere":
+        return True
     return judged.diagnosis.cause == "wrong_formula" and judged.diagnosis.detail in _HOLLOW_BODIES
 
 

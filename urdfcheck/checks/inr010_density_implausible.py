@@ -17,6 +17,7 @@ from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
@@ -64,6 +65,10 @@ class _PaddedHull:
 
 
 def check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, margin=margin, least=least, thinnest=thinnest))
+
+
+def _check(model: Model, rule: Rule, *, margin: float, least: float, thinnest: float) -> Iterator[Finding]:
     dense = [
         found
         for part in enclosed_inertials(model)

@@ -14,6 +14,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.likeness.mirror import MirrorPlane, measure_deviation
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
@@ -49,6 +50,10 @@ _MIDDLE = MirrorPlane(np.array((0.0, 1.0, 0.0)), 0.0)
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, differ=differ, note=note))
+
+
+def _check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     reported: set[str] = set()
     for finding in _compare_copies(model, rule, differ=differ, note=note):
         reported |= {subject.partition("/")[0] for subject in finding.subjects}

@@ -27,6 +27,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.model import DeclaredTensor, Joint, Link, Model
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
@@ -124,6 +125,10 @@ _SAME_AXES = 1e-6
 
 
 def check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
+    yield from set_lost_aside(model, rule, _check(model, rule, differ=differ, note=note))
+
+
+def _check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[Finding]:
     pairs, shares = mirror_pairs(model), _Shares(differ, note)
     mistakes = list(iter_place_mistakes(model, pairs))
     misplaced = {joint.name for mistake in mistakes for joint in mistake.joints}

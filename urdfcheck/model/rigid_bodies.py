@@ -97,6 +97,11 @@ def has_collision_geometry(model: Model, body: RigidLinkGroup) -> bool:
     return any(model.link_by_name[name].collisions for name in body.links)
 
 
+def is_world_link(model: Model, link: Link) -> bool:
+    """Whether a link is the root by whose name programs fix a robot to the world."""
+    return link.name == "world" and not any(joint.child == link.name for joint in model.joints)
+
+
 def is_point_mass(inertial: Inertial) -> bool:
     """Whether the inertia tensor is zero as far as the mass can tell; False without mass."""
     components, mass = inertial.inertia_components, inertial.mass

@@ -7,7 +7,7 @@ import re
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.robot import Model
-from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.text.xml import Attribute, Definition, Element
 
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 # A comment that ends where the element begins, and one that begins where a value of its line ends.
@@ -19,8 +19,18 @@ _REACH = 600
 # inertial is needed, whatever it says.
 _REASON = re.compile(
     r"stabili|unstab|instab|avoid|prevent|\bhack|\bnon-?\s?zero|\bpruned|bolt(?:ed|ing) down|\bon purpose|intentional|deliberate"
-    r"|\b(?:null|minimal|smallest)(?: valid)? inerti|work-?\s?around|\bdrift",
+    r"|\b(?:null|blank|minimal|smallest)(?: valid)? inerti|work-?\s?around|\bdrift|\btweaked\b|\bhappy\b"
+    r"|\b(?:in|de)creased (?:to|for|so|because)\b",
     re.IGNORECASE,
+)
+# What a comment above a macro or a property is about, where it gives the reason for masses and inertias.
+_ABOUT_DYNAMICS = re.compile(r"inerti|\bmass|\bheav|\blight|simulat|gazebo|physic|unstab|instab|stabili", re.IGNORECASE)
+_MACRO_BEFORE = re.compile(r"<(?:\w+:)?macro\b")
+_MACRO_END = re.compile(r"</(?:\w+:)?macro\s*>")
+# A comment above lines of properties with no blank line between them.
+_COMMENT_ABOVE = re.compile(
+    r"<!--((?:(?!-->).)*)-->[ \t]*\r?\n(?:[ \t]*<(?:\w+:)?property\b[^<>]*/>[ \t]*\r?\n)*[ \t]*<(?:\w+:)?property\b[^<>]*\Z",
+    re.DOTALL,
 )
 
 
@@ -34,6 +44,34 @@ def has_stated_reason(model: Model, element: Element) -> bool:
     comments = _COMMENT.findall(file.text, span.start, end)
     before = _COMMENT_BEFORE.search(file.text[max(0, span.start - _REACH) : span.start])
     return any(map(_REASON.search, comments if before is None else [*comments, before[1]]))
+
+
+def has_reason_above_macro(model: Model, element: Element) -> bool:
+    """Whether a comment right before the macro that makes an element says why its masses and inertias are what they are."""
+    span = element.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None or not element.via:
+        return False
+    starts = [found.start() for found in _MACRO_BEFORE.finditer(file.text, 0, span.start)]
+    if not starts or _MACRO_END.search(file.text, starts[-1], span.start) is not None:
+        return False
+    before = _COMMENT_BEFORE.search(file.text[max(0, starts[-1] - _REACH) : starts[-1]])
+    return before is not None and _gives_reason_for_dynamics(before[1])
+
+
+def has_reason_at_definition(model: Model, definition: Definition) -> bool:
+    """Whether a comment above a property, or above the block of properties that it is in, says why masses and inertias are what
+    they are."""
+    span = definition.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None or definition.kind != "property":
+        return False
+    before = _COMMENT_ABOVE.search(file.text[max(0, span.start - _REACH) : span.start])
+    return before is not None and _gives_reason_for_dynamics(before[1])
+
+
+def _gives_reason_for_dynamics(comment: str) -> bool:
+    return _REASON.search(comment) is not None and _ABOUT_DYNAMICS.search(comment) is not None
 
 
 @fact
@@ -53,14 +91,16 @@ def has_reason_behind(model: Model, attribute: Attribute) -> bool:
 
 
 def has_commented_child(model: Model, element: Element, tag: str) -> bool:
-    """Whether a comment in an element holds a child ``<tag>`` of it that was left out."""
+    """Whether a comment in an element holds a child ``<tag>`` of it that was left out, also as ``<!--tag …/-->``."""
     span = element.span
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None or file.text.endswith("/>", span.start, span.end):
         return False
+    name = re.escape(tag)
+    child = re.compile(rf"<{name}[\s>]|\A{name}(?:>|\s+\w+=)")
     for found in re.compile(rf"<!--(.*?)-->|</{re.escape(element.tag)}\b", re.DOTALL).finditer(file.text, span.end):
         if found[1] is None:
             return False
-        if re.search(rf"<{re.escape(tag)}[\s>]", found[1]):
+        if child.search(found[1]):
             return True
     return False

@@ -172,11 +172,22 @@ def _explain(
     typed = describe_typed_tensor(link)
     if typed is None:
         source = find_same_numbers(model, link, [other for other in model.links if other not in row])
-        return None if source is None else ("copied", source.name)
+        if source is None or (_list_meshes(link) & _list_meshes(source) and not _draws_as_row(link, row)):
+            return None  # it draws the part whose numbers it has
+        return "copied", source.name
     if not math.isclose(numbers.mass, right.mass, rel_tol=_EQUAL):
         return None
     ratios = np.linalg.eigvalsh(numbers.tensor) / np.linalg.eigvalsh(right.tensor)
     return ("typed", typed) if max(ratios.max(), 1.0 / ratios.min()) > _UNLIKE else None
+
+
+def _draws_as_row(link: Link, row: list[Link]) -> bool:
+    """Whether a link draws a mesh of another link of its row."""
+    return any(_list_meshes(link) & _list_meshes(other) for other in row if other is not link)
+
+
+def _list_meshes(link: Link) -> set[str]:
+    return {shape.mesh_filename.value for shape in link.visuals if shape.mesh_filename is not None}
 
 
 def _is_same(one: DeclaredInertial, other: DeclaredInertial) -> bool:

@@ -7,7 +7,12 @@ import math
 from urdfcheck.core.text import split_name_words
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
-from urdfcheck.model.stated_reasons import has_reason_behind, has_stated_reason
+from urdfcheck.model.stated_reasons import (
+    has_reason_above_macro,
+    has_reason_at_definition,
+    has_reason_behind,
+    has_stated_reason,
+)
 
 # Words that say that a number is chosen. That it is a dummy's does not, for it may still have to be replaced.
 _CHOSEN_WORDS = frozenset({"negligible", "insignificant", "tiny", "epsilon", "eps"})
@@ -16,14 +21,24 @@ _TINY_SHARE = 1e-3
 
 
 def has_stated_purpose(model: Model, link: Link) -> bool:
-    """Whether a comment in the ``<inertial>`` of a link, right before it, or behind the number of the mass where that was typed,
-    says why its numbers are what they are; or whether it is called negligible."""
-    if link.inertial is None:
+    """Whether a comment says why the numbers of a link are what they are, or it is called negligible.
+
+    The comment is where the numbers were typed: in the ``<inertial>``, right before it or before the macro that makes it,
+    behind the number of the mass, or above the properties that mass and tensor are computed from.
+    """
+    inertial = link.inertial
+    if inertial is None:
         return False
-    if is_called_negligible(model, link):
+    if is_called_negligible(model, link) or has_stated_reason(model, inertial.element):
         return True
-    mass = link.inertial.mass_attribute
-    return has_stated_reason(model, link.inertial.element) or (mass is not None and has_reason_behind(model, mass))
+    mass, tensor = inertial.mass_attribute, inertial.tensor_element
+    if (mass is not None and has_reason_behind(model, mass)) or has_reason_above_macro(model, inertial.element):
+        return True
+    definitions = [
+        *(() if mass is None else mass.collect_definitions()),
+        *(() if tensor is None else tensor.collect_definitions()),
+    ]
+    return any(has_reason_at_definition(model, definition) for definition in definitions)
 
 
 def is_called_negligible(model: Model, link: Link) -> bool:

@@ -11,7 +11,7 @@ from urdfcheck.core import Span
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
+from urdfcheck.facts.inertials.materials import DENSEST, DENSEST_PART, LIGHTEST
 from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
@@ -57,7 +57,7 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
     change, drawn = _compute_from_geometry(model, link, with_com=with_com), measure_link_geometry(model, link)
     if change is None or drawn is None or not change.text or has_loose_hull(model, link):
         return ""
-    if drawn.primitive is None and _is_air(link, drawn):
+    if (drawn.primitive is None and _is_air(link, drawn)) or _is_too_dense(link, drawn):
         return ""
     if with_com and (not drawn.closed or _is_replaced_by_collision(model, link)):
         return ""
@@ -159,7 +159,7 @@ def _is_replaced_by_collision(model: Model, link: Link) -> bool:
     return explain_collision_stand_in(model, link) in _WHY_NOT_DRAWN
 
 
-def _is_collision_of_detail(model: Model, link: Link) -> bool:
+def is_collision_of_detail(model: Model, link: Link) -> bool:
     """Whether the collision shapes that replace an open mesh are far smaller: those of the motor alone of a leg, for example."""
     if explain_collision_stand_in(model, link) != "open":
         return False
@@ -172,6 +172,12 @@ def _is_air(link: Link, drawn: VisualGeometry) -> bool:
     """Whether no material is so light: then a mesh is drawn many times too large, and its tensor and COM are as wrong."""
     mass = None if link.inertial is None else link.inertial.mass
     return mass is not None and mass < LIGHTEST * drawn.solid.volume
+
+
+def _is_too_dense(link: Link, drawn: VisualGeometry) -> bool:
+    """Whether no material is so heavy: then what is drawn is a small piece of the part, or a mark in its place."""
+    mass = None if link.inertial is None else link.inertial.mass
+    return mass is not None and drawn.closed and mass > DENSEST * drawn.solid.volume
 
 
 def _has_ordinary_density(link: Link, drawn: VisualGeometry | None) -> bool:
@@ -196,7 +202,7 @@ def _compute_from_geometry(model: Model, link: Link, *, with_com: bool = False) 
     inertial, drawn = link.inertial, measure_link_geometry(model, link)
     if inertial is None or drawn is None or inertial.mass is None or not inertial.mass > 0:
         return None
-    if _is_collision_of_detail(model, link):
+    if is_collision_of_detail(model, link):
         return None
     size = float(np.trace(drawn.solid.covariance))
     if not size > 0.0:  # a surface that is not a solid, or numbers too large to square

@@ -45,18 +45,21 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
     moves_com = any(place.owner is inertial.origin.element and not _is_handed_on(place) for place in attributes)
     if not places and not moves_com:
         return ""
+    # A literal <origin> beside the call of a macro is not made by that call.
+    made = tensor if places else inertial.origin.element
     others = [
-        one.inertial.tensor_element
+        text
         for one in model.links
-        if one is not link and one.inertial is not None and one.inertial.tensor_element is not None
-        if one.inertial.tensor_element.span == tensor.span
+        if one is not link and one.inertial is not None
+        if (text := one.inertial.tensor_element if places else one.inertial.origin.element) is not None
+        if made is not None and text.span == made.span
         if (places and _list_numbers(one) != _list_numbers(link))
         or (moves_com and _is_drawn_elsewhere(model, one, link))
     ]
-    if not others or not tensor.location.via:
+    if made is None or not others or not made.location.via:
         return " as the result of the formula" if any(map(is_computed_from_lengths, places)) else ""
     shared = {span for other in others for span in other.location.via}
-    call = next((span for span in reversed(tensor.location.via) if span not in shared), tensor.location.via[-1])
+    call = next((span for span in reversed(made.location.via) if span not in shared), made.location.via[-1])
     return f" as the result of the call at {PurePath(call.file).name}:{call.line}"
 
 

@@ -23,7 +23,7 @@ from urdfcheck.model.inertials.proposals.slip_repairs import (
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal, is_possible_tensor
 from urdfcheck.model.inertials.proposals.tensor_sizes import has_drawn_moment, is_unlike_drawn, propose_other_size
 from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
-from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_lost_moment
+from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_bare_zeros, has_lost_moment
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 
@@ -63,7 +63,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     if like is not None:
         return like
     typed = measure_tensor_rounding(declared.texts)
-    is_rounded = typed.explained_by_rounding and not has_lost_moment(model, declared)
+    is_rounded = typed.explained_by_rounding and not has_lost_moment(model, declared) and not has_bare_zeros(declared)
     slip = None if is_rounded else propose_signs(model, declared) or propose_slipped_moment(model, declared)
     if slip is not None:
         return slip
