@@ -19,7 +19,6 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.proposals.zero_moments import is_point_about_origin
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
@@ -64,6 +63,12 @@ class _IndefiniteTensor:
         return GAZEBO_MERGES if self.fused else REFUSED
 
 
+def _is_point_about_origin(declared: DeclaredTensor) -> bool:
+    from urdfcheck.model.inertials.proposals.zero_moments import is_point_about_origin  # only broken tensors ask for it
+
+    return is_point_about_origin(declared)
+
+
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
     points: list[DeclaredTensor] = []
     lines: list[DeclaredTensor] = []
@@ -73,7 +78,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         smallest, largest = _compute_moment_extremes(components)
         if is_point_mass(declared.inertial):
             points.append(declared)
-        elif smallest <= rel_tol * largest and is_point_about_origin(declared):
+        elif smallest <= rel_tol * largest and _is_point_about_origin(declared):
             is_rounded = (
                 smallest > -rounding * largest
                 and measure_tensor_rounding(declared.texts, rel_tol).explained_by_rounding

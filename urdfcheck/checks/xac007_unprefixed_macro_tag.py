@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fnmatch
 import math
 import re
 from collections import Counter
@@ -19,6 +20,7 @@ from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import (
     collect_macros,
     collect_read_arguments,
+    collect_uncalled_links,
     defines_itself,
     find_unprefixed_tags,
     iter_elements_by_tag,
@@ -45,7 +47,7 @@ WITHOUT_INERTIA = {
 # Rules whose findings say what a robot lacks, or measure it as a whole: without the parts of a call it is not the author's robot.
 _RULES_ABOUT_WHOLE_ROBOTS = (
     *("COL003", "CTL001", "CTL002", "CTL004", "CTL007", "DYN004", "DYN005", "DYN006", "DYN007", "GZB001", "INR015"),
-    *("INR016", "JNT009", "KIN002", "KIN005", "KIN010", "LCH005", "SRD001", "SRD003"),
+    *("INR016", "JNT009", "KIN005", "KIN010", "LCH005", "SRD001", "SRD003"),
 )
 # Tags that only give a name a value.
 _VALUE_TAGS = frozenset({"property", "arg"})
@@ -224,7 +226,20 @@ def _list_explained(source: Source) -> list[str]:
         for call in find_unprefixed_tags(source.trees, root, only_calls=True)
         if call.parent is not None and any(made.tag == "inertial" for made in macros[call.tag].element.walk())
     }
-    return explained + [f"INR001 {link}" for link in sorted(without_inertial)]
+    explained += [f"INR001 {link}" for link in sorted(without_inertial)]
+    return explained + _list_joints_to(collect_uncalled_links(source.trees, root), root)
+
+
+def _list_joints_to(made: set[str], root: Element) -> list[str]:
+    """Return the joints of which all missing links are those that the calls would make, as claims of what explains KIN002."""
+    links = {link.get("name") for link in root.find_children("link")}
+    explained: list[str] = []
+    for joint in root.find_children("joint") if made else ():
+        ends = (joint.find_child(tag) for tag in ("parent", "child"))
+        missing = {end.get("link") for end in ends if end is not None} - links
+        if missing and all(any(fnmatch.fnmatchcase(name, pattern) for pattern in made) for name in missing):
+            explained.append(f"KIN002 {joint.subject}")
+    return explained
 
 
 def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:

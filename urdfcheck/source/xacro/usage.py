@@ -38,6 +38,9 @@ _COMPUTED_ARGUMENT = re.compile(
     r"\$\(arg\s+((?:[^\s(){}$]|\$\{[^{}]*\})*\$\{[^{}]*\}(?:[^\s(){}$]|\$\{[^{}]*\})*)\s*\)"
 )
 _COMPUTED_PART = re.compile(r"\$\{[^{}]*\}")
+_PARAMETER = re.compile(r"\$\{\s*(\w+)\s*\}")
+# A macro may call another one many times, and that yet another: so many different calls are followed.
+_MOST_CALLS = 1_000
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
 
 
@@ -222,6 +225,37 @@ def list_strange_tags(tree: Element) -> list[str]:
 def _is_builtin(element: Element) -> bool:
     needed = _REQUIRED_BY_TAG.get(element.tag)
     return needed is not None and needed <= element.attributes.keys()
+
+
+def collect_uncalled_links(trees: Mapping[str, Element], robot: Element) -> set[str]:
+    """Return the names of the links that the calls left in the robot would make with their prefix, themselves and through the
+    macros that they call: as patterns, with ``*`` for what is computed."""
+    macros = collect_macros(trees)
+    left = [
+        (call.tag, {n: a.value for n, a in call.attributes.items()})
+        for call in find_unprefixed_tags(trees, robot, only_calls=True)
+    ]
+    names, visited = set[str](), set[str]()
+    while left:
+        tag, given = left.pop()
+        macro = macros.get(tag)
+        if macro is None or (key := f"{tag} {sorted(given.items())}") in visited or len(visited) > _MOST_CALLS:
+            continue
+        visited.add(key)
+        for made in macro.element.walk():
+            if made.tag == "link":
+                names.add(_fill_in(made.get("name"), given))
+            elif made is not macro.element:
+                left.append(
+                    (made.tag.removeprefix("xacro:"), {n: _fill_in(a.value, given) for n, a in made.attributes.items()})
+                )
+    return names
+
+
+def _fill_in(text: str, given: Mapping[str, str]) -> str:
+    """Return a text with the values of parameters, and ``*`` for every other expression."""
+    filled = _PARAMETER.sub(lambda match: given.get(match[1], "*"), text)
+    return EXPRESSION.sub("*", filled)
 
 
 def _is_call(element: Element, macro: Macro) -> bool:
