@@ -18,7 +18,7 @@ from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, format_millimetres, locate_difference
 from urdfcheck.model.inertials.inertial_rows import RowSlip, find_row_slips
-from urdfcheck.model.inertials.own_com import has_com_of_own_mesh
+from urdfcheck.model.inertials.proposals.com_places import has_com_of_own_mesh
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.likeness.identical_parts import (

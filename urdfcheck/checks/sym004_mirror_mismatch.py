@@ -50,7 +50,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
     limit_to_com,
     list_inertial_changes,
 )
-from urdfcheck.model.inertials.own_com import has_com_of_own_mesh
+from urdfcheck.model.inertials.proposals.com_places import has_com_of_own_mesh
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.inertials.unrelated_sides import UnlikeSides, compare_unrelated_sides, describe_slip
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
