@@ -181,6 +181,14 @@ def test_proposes_a_name_only_where_it_is_a_misspelling(tmp_path: Path, unknown:
     assert [e.replacement for e in finding.fix.edits] == ([near] if near else [])
 
 
+def test_a_name_that_a_call_hands_over_may_make_other_names_too(tmp_path: Path) -> None:
+    macro = """<xacro:macro name="arm" params="name"><link name="${name}_link"/><joint name="j" type="fixed">
+<parent link="${name}"/><child link="hand"/></joint></xacro:macro><xacro:arm name="base"/><link name="hand"/>"""
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{macro}</robot>'
+    (finding,) = check_text(tmp_path, text, codes={"KIN002"}, name="r.urdf.xacro").findings
+    assert (finding.message_id, finding.fix is not None and finding.fix.edits) == ("near", ())
+
+
 def test_a_child_means_first_a_link_that_still_has_no_parent(tmp_path: Path) -> None:
     text = make_tree("base wheel_left weel_left_2 a", "base wheel_left", "base weel_left_3x", "base a")
     assert not check_text(tmp_path, text, codes={"KIN002"}).failures

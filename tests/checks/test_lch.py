@@ -577,6 +577,12 @@ def test_the_only_file_of_that_name_is_proposed(tmp_path: Path, copies: list[str
     assert ("models/arm/model.urdf" in finding.fix.title) == (len(copies) == 1)
 
 
+def test_a_launch_file_is_not_told_to_include_itself(tmp_path: Path) -> None:
+    (tmp_path / ".git").mkdir()
+    (finding,) = find_in_package(tmp_path, INCLUDE.format("$(find car)/old/car.launch"), "LCH001")
+    assert "which does not exist; the folder" in finding.message
+
+
 # -- LCH002 ------------------------------------------------------------------------------------------------------------
 
 
@@ -971,6 +977,11 @@ def test_a_description_in_a_variable_leads_to_the_model(tmp_path: Path) -> None:
     assert finding.message_id == "second-parent"
     (finding,) = find_in_package(tmp_path, body.replace("car.urdf", "cars.urdf"), "LCH001")
     assert finding.message_id == "file"
+    quoted = body.replace(
+        "'xacro $(find-pkg-share car)/urdf/car.urdf'", r"'xacro \'$(find-pkg-share car)/urdf/car.urdf\''"
+    )
+    assert quoted != body
+    assert not find_in_package(tmp_path, quoted, "LCH001")
 
 
 def test_without_the_meshes_only_the_direction_is_known(tmp_path: Path) -> None:

@@ -1811,3 +1811,17 @@ def test_a_macro_may_be_in_another_version_of_the_package_with_its_file(tmp_path
     assert finding.fix is not None
     start = "use a release or fork of camera whose eye.urdf.xacro defines the macro, or delete the call"
     assert finding.fix.title.startswith(start) == (package == "camera")
+
+
+def test_another_robot_that_includes_the_part_is_not_to_be_included_in_it(tmp_path: Path) -> None:
+    size, part = '<xacro:property name="size" value="1"/>', '<xacro:include filename="part.xacro"/>'
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "big.urdf.xacro": f"{HEAD}{size}{part}</robot>",
+        "sizes.xacro": f"{HEAD}{size}</robot>",
+        "small.urdf.xacro": f"{HEAD}{part}</robot>",
+        "part.xacro": f'{HEAD}<link name="a_${{size}}"/></robot>',
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="small.urdf.xacro")
+    assert finding.fix is not None
+    assert ("sizes.xacro" in finding.fix.title, "big.urdf.xacro" in finding.fix.title) == (True, False)

@@ -210,6 +210,19 @@ def test_a_model_that_is_kept_and_not_used_is_like_test_data(
     assert found == {f"p/{place}": is_aside, "p/urdf/q.urdf": False}
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        f'<sdf version="1.6" {XMLNS}><xacro:ocean/><world name="w"><model name="m">{LINK}</model></world></sdf>',
+        f'<!DOCTYPE Scene SYSTEM "Scene.dtd"><Scene {XMLNS}>{LINK}</Scene>',
+    ],
+)
+def test_what_xacro_makes_for_other_programs_is_no_robot(workspace: Path, text: str) -> None:
+    write(workspace, {"a.world.xacro": text, "r.urdf": URDF})
+    assert models(".") == ["r.urdf"]
+    assert models("a.world.xacro") == ["a.world.xacro"]
+
+
 def test_a_skipped_folder_that_is_named_is_checked_all_the_same(workspace: Path) -> None:
     write(workspace, {"build/a.urdf": URDF})
     assert models("build") == ["build/a.urdf"]

@@ -357,7 +357,10 @@ def _find_exchanged(model: Model, body: RigidLinkGroup, link: Link, overlap: flo
         (drawn, solid), (other_drawn, other_solid) = boxes, others
         crosswise = (_BoxPair(drawn, other_solid).overlap, _BoxPair(other_drawn, solid).overlap)
         own = (_BoxPair(drawn, solid).overlap, _BoxPair(other_drawn, other_solid).overlap)
-        if min(crosswise) >= _OWN and min(own) < overlap and max(own) < min(crosswise):
+        # A box around the other link, or around all, overlaps everything that is drawn in it.
+        ratios = (_measure_diagonal(a) / _measure_diagonal(b) for a, b in ((drawn, other_solid), (other_drawn, solid)))
+        is_as_large = all(1 / _ALIKE <= ratio <= _ALIKE for ratio in ratios)
+        if is_as_large and min(crosswise) >= _OWN and min(own) < overlap and max(own) < min(crosswise):
             return model.link_by_name[name]
     return None
 

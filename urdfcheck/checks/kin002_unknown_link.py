@@ -157,7 +157,11 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
             **data,
         )
     else:
-        edits = edit_values((attribute, near) for attribute in attributes)
+        # What a call hands over may make other names too: `${name}_link`.
+        is_handed = any(d.kind == "parameter" for a in attributes for d in a.collect_definitions())
+        edits = [] if is_handed else edit_values((attribute, near) for attribute in attributes)
+        where = ", here if the value makes no other names, otherwise where a macro makes this name of it" * is_handed
+        data["repair"] = f"write `{spell_breaks(near)}`{where}"
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 

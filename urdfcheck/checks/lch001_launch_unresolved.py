@@ -342,7 +342,7 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, withou
     try:
         names = [entry.name for entry in folder.iterdir() if entry.is_file()]
     except OSError:
-        return _describe_only_file(path, finder) or f"; the folder {format_path(folder)} does not exist either"
+        return _describe_only_file(path, finder, without) or f"; the folder {format_path(folder)} does not exist either"
     avoided = {normalise_path(place.absolute()) for place in without}
     here = normalise_path(folder.absolute())
     names = [name for name in names if here / name not in avoided]
@@ -356,13 +356,13 @@ def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, withou
         return f" (did you mean {namesakes[0]!r}?)"
     near = format_name_hint(wanted, namesakes or names)
     # Many packages have a gazebo.launch: another one's is not meant.
-    return near or (_describe_only_file(path, finder) if wanted.endswith(MODEL_SUFFIXES) else "")
+    return near or (_describe_only_file(path, finder, without) if wanted.endswith(MODEL_SUFFIXES) else "")
 
 
-def _describe_only_file(path: str, finder: PackageFinder) -> str:
+def _describe_only_file(path: str, finder: PackageFinder, without: Sequence[Path]) -> str:
     """Name the file that a path may have meant, if the repository has one of this name elsewhere."""
     only = _find_only_file(Path(path).name, finder)
-    if only is None:
+    if only is None or normalise_path(only.absolute()) in {normalise_path(place.absolute()) for place in without}:
         return ""
     if not (only.name.endswith(_XACRO) and _is_of_macros(only, finder)):
         return f" (the only file of this name here is {format_path(only)})"

@@ -60,6 +60,7 @@ from urdfcheck.source.xacro.usage import (
     iter_elements_by_tag,
     list_condition_arguments,
 )
+from urdfcheck.system.files import read_text_or_nothing
 
 _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 # The error of an empty file name: xacro then opens its folder as a file.
@@ -431,11 +432,14 @@ def _find_defining_files(
     package = source.finder.find_package_of(source.path.absolute())
     if package is None:
         return []
-    paths = (path for paths in index_files([package.path]).values() for path in paths)
+    paths = [path for paths in index_files([package.path]).values() for path in paths]
     defined = read_defined(paths, source.finder)
     read = {Path(file).name for file in source.trees}
-    found = sorted(file for file, names in defined.items() if name in names and file not in read)
-    return found if len(found) <= _MOST_PROPOSED else []
+    found = {file for file, names in defined.items() if name in names and file not in read}
+    # What includes a file that was read is another robot, which that file cannot include.
+    including = re.compile(rf"<xacro:include\s[^<>]*(?<![\w.-])(?:{'|'.join(map(re.escape, sorted(read)))})[\"']")
+    robots = {path.name for path in paths if path.name in found and including.search(read_text_or_nothing(path))}
+    return sorted(found - robots) if len(found - robots) <= _MOST_PROPOSED else []
 
 
 def _find_later_definition(failure: _ExpansionFailure, name: str) -> Element | None:

@@ -79,7 +79,7 @@ def _describe_repair(source: Source, at: Location, name: str, options: str, *, i
     if macro is not None:
         return f"write `${{{name}}}`: {name} is a parameter of the macro {macro} around it, and not an argument of the file"
     give = f"give a value: `{options}`; or declare"
-    if is_declared and _is_in_root_tag(source, at):
+    if _is_in_root_tag(source, at):
         return f"give a value: `{options}`; or write a fixed text here, because no default can precede it"
     if is_declared:
         return f"move its `<xacro:arg>` up, before what reads it; or give a value: `{options}`"

@@ -57,7 +57,8 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         if _can_merge(same)
         else _OF_PARTS
         if second.tag == "inertial"
-        else f"delete the wrong <{second.tag}>",
+        else f"delete the wrong <{second.tag}>"
+        + (", or put it under the condition that it is meant for" if model.source.is_xacro else ""),
     )
 
 

@@ -188,7 +188,7 @@ class FolderIndex:
         """The models of the folder: not mere parts of others, nor mere sets of macros."""
         found: list[FoundModel] = []
         for path, file in self.files.items():
-            if file.only_macros:
+            if file.only_macros or file.is_foreign:
                 continue
             is_part = self._may_be_part(self.reals[path], file)
             if is_part and not file.has_name:
@@ -206,7 +206,7 @@ class FolderIndex:
         These are parts without a name, and semantic descriptions in which a macro could make links.
         """
         models = {model.path for model in self.found_models}
-        files = [f for f, file in self.files.items() if not file.only_macros and f not in models]
+        files = [f for f, file in self.files.items() if not (file.only_macros or file.is_foreign or f in models)]
         files += [f for f, file in self.srdfs.items() if f not in models and is_xacro(f) and file.has_parts]
         return tuple(FoundModel(path=path, is_tentative=True, is_part=True) for path in files)
 

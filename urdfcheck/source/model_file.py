@@ -45,6 +45,9 @@ _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
 _SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
 _OF_ROS = re.compile(r"<(?:launch|node|include|param|rosparam|arg|group|robot)[\s>/]")
+_FIRST_TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
+# What xacro makes besides robots, by its root.
+_FOREIGN_ROOTS = frozenset({"sdf", "world", "mujoco", "launch"})
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
 # and "<your-package>" in a value.
@@ -90,6 +93,7 @@ class ModelFile:
         needs_tree = bool(self.mentions) or self.is_xacro or is_srdf(path)
         examine = _examine_known_text if len(text) <= _LONGEST_KEPT else _examine_text
         contents = examine(text) if needs_tree and source is not None else _examine_tree(None)
+        self.is_foreign = self.is_xacro and not self.is_robot and _is_foreign(text)
         self.includes = list(contents.includes if contents.is_readable else self.mentions)[:MAX_INCLUDES]
         self.only_macros = self.is_xacro and contents.only_macros
         self.defines_macros = contents.defines_macros
@@ -120,7 +124,15 @@ class ModelFile:
     def outline(self) -> tuple[object, ...]:
         """All that the search for models asks of a file that is a model or a part of one: it decides what is checked."""
         return (
-            *(self.is_robot, self.is_blank, self.is_empty, self.is_xacro, tuple(self.mentions), tuple(self.includes)),
+            *(
+                self.is_robot,
+                self.is_blank,
+                self.is_empty,
+                self.is_xacro,
+                self.is_foreign,
+                tuple(self.mentions),
+                tuple(self.includes),
+            ),
             *(self.only_macros, self.defines_macros, self.has_parts, self.stands_alone),
             *(self.robot_name, self.names_links_elsewhere, self.placeholder),
         )
@@ -182,6 +194,12 @@ def _examine_text(text: str) -> _TreeSummary:
 
 # An editor plans anew after each key, and nearly all files are as they were.
 _examine_known_text = lru_cache(maxsize=256)(_examine_text)
+
+
+def _is_foreign(text: str) -> bool:
+    """Whether a xacro file without a robot makes something for another program: a world for Gazebo, or what has a grammar."""
+    match = _FIRST_TAG.search(_COMMENT.sub("", text))
+    return "<!DOCTYPE" in text or (match is not None and match[1] in _FOREIGN_ROOTS)
 
 
 def find_placeholder(text: str) -> str:

@@ -398,7 +398,8 @@ def read_description(element: Element, resolver: SubstitutionResolver) -> Descri
     value = resolver.find_definition(value)
     match = _COMMAND.match(value.value.strip())
     if match:
-        return _parse_command(value, match.group(2), resolver)
+        # In the quotes of a substitution, its own kind of quote is escaped.
+        return _parse_command(value, match.group(2).replace("\\'", "'").replace('\\"', '"'), resolver)
     if not value.value.strip().startswith("$("):
         return None
     _, unresolved = resolver.resolve_value(value.value)
