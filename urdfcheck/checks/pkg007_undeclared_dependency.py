@@ -66,6 +66,8 @@ _IN_ROS_CORE = {
     ),
     "ros2_launch": frozenset({"rclcpp_components"}),
 }
+# Programs of ROS 1 that no distribution of ROS 2 has: what a launch file needs is another package (LCH003).
+_ONLY_IN_ROS1 = frozenset({"rviz", "tf", "roslaunch"})
 # A file that is part of the sources: others are made by the build.
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
@@ -410,7 +412,7 @@ def _drop_uses_of_ros1(
     if name_launch_command(root) != "ros2_launch":
         return {name: [*uses] for name, uses in missing.items()}
     kept = {name: [use for use in uses if not _is_in_launch_file_of_ros1(use)] for name, uses in missing.items()}
-    return {name: uses for name, uses in kept.items() if uses}
+    return {name: uses for name, uses in kept.items() if uses and name not in _ONLY_IN_ROS1}
 
 
 def _build_misnamed_finding(
