@@ -814,8 +814,9 @@ def test_a_launch_file_that_was_left_from_ros_1_is_not_mended_by_another_name(
 def test_a_program_of_ros_1_is_not_declared_in_a_package_of_ros_2(tmp_path: Path, build: str) -> None:
     """What the launch file needs there is rviz2, whose line is another one (LCH003)."""
     export = f"<export><build_type>{build}</build_type></export>"
-    find = "$(find-pkg-share robot_state_publisher)" if build == "ament_cmake" else "$(find robot_state_publisher)"
-    launch = f'<launch><param name="a" value="{find}/a"/><node pkg="rviz" exec="rviz" type="rviz"/></launch>'
+    model = "$(find-pkg-share xacro)/r.urdf.xacro" if build == "ament_cmake" else "$(find xacro)/r.urdf.xacro"
+    verb = "exec" if build == "ament_cmake" else "type"
+    launch = f'<launch><node name="v" pkg="rviz" {verb}="rviz" args="-d {model}"/></launch>'
     write(tmp_path, {"package.xml": manifest(export), "launch/a.launch": launch, "urdf/r.urdf": URDF})
     (finding,) = findings(tmp_path, "PKG007")
     assert ("rviz" in finding.message) == (build == "catkin")
