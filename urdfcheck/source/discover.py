@@ -456,7 +456,7 @@ class _Planner:
         """
         own_package = self.get_finder(path).find_package_of(path.absolute())
         inner = path.absolute().parent if own_package is None else own_package.path
-        outer = self.get_finder(path).find_project_above(inner)
+        outer = next((f for f in inner.parents if (f / ".git").exists()), None)
         for folder, package in ((inner, ""), (outer, "" if own_package is None else own_package.name)):
             if folder is not None:
                 yield self.get_folder(folder if path.is_absolute() else Path(os.path.relpath(folder))), package
