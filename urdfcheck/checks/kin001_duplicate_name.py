@@ -103,7 +103,8 @@ def _find_shared_value(first: Link | Joint, second: Link | Joint) -> _SharedValu
     ones, twos = one.collect_definitions(), two.collect_definitions()
     own = [definition for definition in twos if definition.span not in {d.span for d in ones}]
     others = [definition for definition in ones if definition.span not in {d.span for d in twos}]
-    names = [definition.name for definition in own or twos if definition.kind == "parameter"]
+    # A macro hands it on to another one, mostly under the same name.
+    names = list(dict.fromkeys(definition.name for definition in own or twos if definition.kind == "parameter"))
     hands_on = all(inner in outer.reads for outer, inner in pairwise(own))
     if own and others and hands_on and own[-1].name != others[-1].name:  # two arguments, which have one value
         told = f"{others[-1].name} and {own[-1].name}"
