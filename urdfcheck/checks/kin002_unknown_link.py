@@ -157,13 +157,20 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
             **data,
         )
     else:
-        # What a call hands over may make other names too: `${name}_link`.
-        is_handed = any(d.kind == "parameter" for a in attributes for d in a.collect_definitions())
-        edits = [] if is_handed else edit_values((attribute, near) for attribute in attributes)
-        where = ", here if the value makes no other names, otherwise where a macro makes this name of it" * is_handed
+        is_shared = _makes_other_names(model, attributes)
+        edits = [] if is_shared else edit_values((attribute, near) for attribute in attributes)
+        where = ", here if the value makes no other names, otherwise where a macro makes this name of it" * is_shared
         data["repair"] = f"write `{spell_breaks(near)}`{where}"
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _makes_other_names(model: Model, attributes: list[Attribute]) -> bool:
+    """Whether a parameter of which these values were made is in others too: ``${name}`` and ``${name}_link``."""
+    handed = {d.span for a in attributes for d in a.collect_definitions() if d.kind == "parameter"}
+    own, root = set(map(id, attributes)), model.source.root
+    others = (a for e in root.walk() for a in e.attributes.values()) if handed and root is not None else ()
+    return any(id(a) not in own and any(d.span in handed for d in a.collect_definitions()) for a in others)
 
 
 def _describe_naming(attribute: Attribute) -> str:

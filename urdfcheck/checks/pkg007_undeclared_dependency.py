@@ -125,7 +125,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
             package, rule, root, file, message="alternatives", missing={name: missing.pop(name) for name in chosen}
         )
     if missing and not _is_as_released(package, missing):
-        started = {name: uses for name, uses in started.items() if name not in named}
+        without = named | (_ONLY_IN_ROS1 if name_launch_command(root) == "ros2_launch" else set())
+        started = {name: uses for name, uses in started.items() if name not in without}
         missing |= _drop_uses_of_ros1(_select_missing(package, started), root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
@@ -412,7 +413,7 @@ def _drop_uses_of_ros1(
     if name_launch_command(root) != "ros2_launch":
         return {name: [*uses] for name, uses in missing.items()}
     kept = {name: [use for use in uses if not _is_in_launch_file_of_ros1(use)] for name, uses in missing.items()}
-    return {name: uses for name, uses in kept.items() if uses and name not in _ONLY_IN_ROS1}
+    return {name: uses for name, uses in kept.items() if uses}
 
 
 def _build_misnamed_finding(
