@@ -23,6 +23,7 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
+from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
@@ -381,7 +382,7 @@ def _find_includers(part: Path, finder: PackageFinder) -> list[Path]:
     """Return the xacro files of the repository that include a file of this name."""
     index = index_files([find_project_folder(finder.start)])
     files = sorted({path for paths in index.values() for path in paths if path.name.endswith(_XACRO)})
-    including = re.compile(rf"include\s[^<>]*(?<![\w.-]){re.escape(part.name)}[\"']")
+    including = compile_includes([part.name])
     readable = (path for path in files[:_MOST_INCLUDERS] if path != part and finder.can_open(path))
     return [path for path in readable if including.search(read_text_or_nothing(path))]
 

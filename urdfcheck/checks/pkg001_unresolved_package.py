@@ -13,7 +13,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
-from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
+from urdfcheck.source.package.package_folders import TEST_FOLDERS, is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
@@ -51,7 +51,6 @@ _NOTES = frozenset({
     *("files-kept", "files-model"),
     *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
-_TEST_FOLDERS = frozenset({"test", "tests"})
 _OF_TESTS = "the file is one of the tests"
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
@@ -200,7 +199,7 @@ def _explain_kept_file(source: Source) -> str:
     """Say why no program of the robot loads a model: it is in a folder of tests, or the original of another; else empty."""
     project = find_project_folder(source.path.absolute())
     folders = Path(os.path.relpath(source.path.absolute(), project)).parts[:-1]
-    if not _TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
+    if not TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
         return _OF_TESTS
     used = find_used_copy(source)
     return (

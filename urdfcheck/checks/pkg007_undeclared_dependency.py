@@ -16,7 +16,7 @@ from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
 from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
-from urdfcheck.source.package.package_folders import IGNORE_MARKS, is_kept_aside, read_manifest_name
+from urdfcheck.source.package.package_folders import IGNORE_MARKS, TEST_FOLDERS, is_kept_aside, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -31,7 +31,6 @@ from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies,
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.system.files import read_regular
 
-_TEST_FOLDERS = {"test", "tests"}
 _EXAMPLE_FOLDERS = frozenset({"example", "examples"})
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
@@ -551,7 +550,7 @@ def _are_for_tests(uses: Sequence[PackageMention], package: Package) -> bool:
     """Whether all files that name a package are in folders for tests."""
     own = package.path.absolute()
     files = [Path(os.path.abspath(use.location.span.file)) for use in uses if use.location.span is not None]
-    return all(file.is_relative_to(own) and _TEST_FOLDERS & set(file.relative_to(own).parts[:-1]) for file in files)
+    return all(file.is_relative_to(own) and TEST_FOLDERS & set(file.relative_to(own).parts[:-1]) for file in files)
 
 
 def _needs_declaration(name: str, uses: list[PackageMention], package: Package) -> bool:

@@ -24,6 +24,7 @@ from urdfcheck.core.text import (
 )
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside
@@ -437,7 +438,7 @@ def _find_defining_files(
     read = {Path(file).name for file in source.trees}
     found = {file for file, names in defined.items() if name in names and file not in read}
     # What includes a file that was read is another robot, which that file cannot include.
-    including = re.compile(rf"<xacro:include\s[^<>]*(?<![\w.-])(?:{'|'.join(map(re.escape, sorted(read)))})[\"']")
+    including = compile_includes(read)
     robots = {path.name for path in paths if path.name in found and including.search(read_text_or_nothing(path))}
     return sorted(found - robots) if len(found - robots) <= _MOST_PROPOSED else []
 

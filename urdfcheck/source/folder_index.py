@@ -23,6 +23,8 @@ from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import (
     BUILD_FOLDERS,
     IGNORE_MARKS,
+    TEST_FOLDERS,
+    get_used_name,
     is_aside_folder,
     iter_package_texts,
     read_package_texts,
@@ -35,9 +37,7 @@ from urdfcheck.system.git import list_ignored
 MAX_COMPARED = 500_000
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 # Folders with the data of tests, by their names in lower case.
-_TEST_FOLDERS = frozenset({"benchmark", "benchmarks", "fixtures", "test", "test_data", "testdata", "tests"})
-# What is added to the name of a file that is kept as it was, beside the one that is used.
-_KEPT_COPY = re.compile(r"(?<=\w)[._-](?:backup|bak|copy|old|ori|orig|original)(?=\.)", re.IGNORECASE)
+_TEST_FOLDERS = TEST_FOLDERS | {"benchmark", "benchmarks", "fixtures", "test_data", "testdata"}
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 
@@ -228,8 +228,8 @@ class FolderIndex:
 
     def _is_kept_copy(self, path: Path) -> bool:
         """Whether a name says that the file is an old copy of a model beside it: ``arm_ori.urdf`` of ``arm.urdf``."""
-        first = _KEPT_COPY.sub("", path.name, count=1)
-        return first != path.name and path.with_name(first) in self.files
+        used = get_used_name(path.name)
+        return bool(used) and path.with_name(used) in self.files
 
     def _is_in_tests(self, path: Path) -> bool:
         inside = path.relative_to(self.path).parts[:-1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fnmatch
 import glob
 import re
+from collections.abc import Iterable
 from functools import lru_cache
 from pathlib import Path
 
@@ -243,6 +244,12 @@ def names_file(text: str, inside: str, package: str) -> bool:
         if owner == package and match[4] + name == inside:
             return True
     return False
+
+
+def compile_includes(names: Iterable[str]) -> re.Pattern[str]:
+    """Return the pattern of an include of a file with one of these names, also without the prefix."""
+    listed = "|".join(map(re.escape, sorted(names)))
+    return re.compile(rf"<(?:xacro:)?include\s[^<>]*(?<![\w.-])(?:{listed})[\"']")
 
 
 def may_compute_name(typed: str, name: str) -> bool:

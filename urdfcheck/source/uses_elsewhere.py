@@ -16,9 +16,9 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.model_file import may_compute_name, names_file
+from urdfcheck.source.model_file import compile_includes, may_compute_name, names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
-from urdfcheck.source.package.package_folders import iter_package_texts, read_package_texts
+from urdfcheck.source.package.package_folders import get_used_name, iter_package_texts, read_package_texts
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
@@ -32,7 +32,7 @@ from urdfcheck.source.xacro.usage import (
     iter_elements_by_tag,
     strip_namespace,
 )
-from urdfcheck.system.files import read_regular, walk
+from urdfcheck.system.files import read_regular, read_text_or_nothing, walk
 
 # Files that a xacro file can include. Larger ones are expanded models or data, in which expressions are not written.
 _INCLUDED_SUFFIXES = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
@@ -40,8 +40,6 @@ _MAX_BYTES = 500_000
 _SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
 # Files that hand arguments to a xacro file: launch files, tests and build files.
 _CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
-# The name of a model that is kept as it was before another one was made of it.
-_ORIGINAL = re.compile(r"(.+)[-_](?:ori|orig|original|old|bak|backup)", re.IGNORECASE)
 # Beyond this many files the search stops, and it is unknown which definitions are used.
 _MAX_FILES = 20_000
 
@@ -120,7 +118,7 @@ def find_other_includers(source: Source, name: str) -> list[str]:
     """
     if source.package is None or name not in source.files or name == format_path(source.path):
         return []
-    including = re.compile(rf"<xacro:include\s[^<>]*{re.escape(source.files[name].path.name)}[\"']")
+    including = compile_includes([source.files[name].path.name])
     found = []
     for path in _iter_caller_files(source.package.path, deep=True):
         if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
@@ -155,7 +153,7 @@ def read_includers(source: Source) -> dict[str, str]:
     found: dict[str, str] = {}
     names = {source.path.name}
     while names:
-        including = re.compile(rf"<xacro:include\s[^<>]*(?<![\w.-])(?:{'|'.join(map(re.escape, sorted(names)))})[\"']")
+        including = compile_includes(names)
         new = {name: text for name, text in texts.items() if name not in found and including.search(text)}
         found |= new
         names = set(new)
@@ -262,16 +260,7 @@ def find_deploying_script(source: Source) -> Path | None:
     if source.package is not None or not source.is_xacro or tree is None or can_have_name(tree):
         return None
     own = compile_names((source.path.name,))
-    for here, names, files in walk(find_project_folder(source.path)):
-        names[:] = [name for name in names if not name.startswith(".")]
-        for path in (Path(here, name) for name in sorted(files) if name.endswith(_SCRIPT_SUFFIXES)):
-            try:
-                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace") if source.finder.can_open(path) else ""
-            except OSError:
-                continue
-            if own.search(text):
-                return path
-    return None
+    return next((path for path, text in _iter_project_files(source, _SCRIPT_SUFFIXES) if own.search(text)), None)
 
 
 def find_used_copy(source: Source) -> Path | None:
@@ -279,25 +268,24 @@ def find_used_copy(source: Source) -> Path | None:
 
     None where a file of the project names the original.
     """
-    name, suffix = source.path.name.partition(".")[::2]
-    match = _ORIGINAL.fullmatch(name)
-    used = None if match is None else source.path.absolute().with_name(f"{match[1]}.{suffix}")
+    name = get_used_name(source.path.name)
+    used = source.path.absolute().with_name(name) if name else None
     if used is None or not source.finder.can_open(used) or not used.is_file():
         return None
-    own, count = compile_names((source.path.name,)), 0
-    for here, names, files in walk(find_project_folder(source.path)):
-        names[:] = [folder for folder in names if not folder.startswith(".")]
-        for path in (Path(here, file) for file in sorted(files) if file.endswith(_CALLER_SUFFIXES)):
-            count += 1
-            if count > _MAX_FILES:
-                return None
-            try:
-                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace") if source.finder.can_open(path) else ""
-            except OSError:
-                continue
-            if own.search(text):
-                return None
+    own = compile_names((source.path.name,))
+    for count, (_, text) in enumerate(_iter_project_files(source, _CALLER_SUFFIXES)):
+        if count >= _MAX_FILES or own.search(text):
+            return None
     return used
+
+
+def _iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tuple[Path, str]]:
+    """Yield the files of the project whose names end so, in or outside packages, each with its text as far as it can be read."""
+    for here, names, files in walk(find_project_folder(source.path)):
+        names[:] = [name for name in names if not name.startswith(".")]
+        for path in (Path(here, name) for name in sorted(files) if name.endswith(endings)):
+            if source.finder.can_open(path):
+                yield path, read_text_or_nothing(path, _MAX_BYTES)
 
 
 @lru_cache(maxsize=1)

@@ -20,6 +20,10 @@ BUILD_FOLDERS = frozenset({"build", "install", "log"})
 _ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
 # How longer names of such folders begin: `legacy_launch`.
 _ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "unused"})
+# What is added to the name of a file that is kept as it was, beside the one that is used.
+_KEPT_COPY = re.compile(r"(?<=\w)[._-](?:backup|bak|copy|old|ori|orig|original)(?=\.)", re.IGNORECASE)
+# Folders of tests, by their names in lower case.
+TEST_FOLDERS = frozenset({"test", "tests"})
 # Files that tell colcon and catkin to leave out a folder with all below it.
 IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
@@ -49,6 +53,12 @@ def is_kept_aside(file: Path, package: Path) -> bool:
 def is_aside_folder(name: str) -> bool:
     """Whether a folder of this name holds files that are kept and not used."""
     return name.lower() in _ASIDE_FOLDERS or re.split(r"[\W_]", name.lower())[0] in _ASIDE_WORDS
+
+
+def get_used_name(name: str) -> str:
+    """Return the name of the file of which one of this name is an old copy: ``arm.urdf`` of ``arm_ori.urdf``; else empty."""
+    used = _KEPT_COPY.sub("", name, count=1)
+    return "" if used == name else used
 
 
 def walk_packages(
