@@ -57,7 +57,8 @@ def test_small_jobs_do_not_wait_for_a_search_for_garbage() -> None:
 
 # A process of its own: a worker is forked, and what the test runner has freed would hold the garbage of the first jobs.
 LARGE_JOBS = """
-import json
+import json, sys
+sys.path.insert(0, {folder!r})
 from test_process_pool import leave_garbage
 from urdfcheck.system import process_pool
 print(json.dumps(sorted(process_pool.map_in_processes(leave_garbage, [({size},)] * 12, 1))))
@@ -67,8 +68,9 @@ print(json.dumps(sorted(process_pool.map_in_processes(leave_garbage, [({size},)]
 @pytest.mark.skipif(sys.platform != "linux", reason="it is not known how much there is")
 def test_the_garbage_of_large_jobs_is_bounded() -> None:
     size = 64 * 1024**2
-    command = [sys.executable, "-c", LARGE_JOBS.format(size=size)]
-    done = subprocess.run(command, cwd=Path(__file__).parent, capture_output=True, text=True, check=True)
+    script = LARGE_JOBS.format(folder=str(Path(__file__).parent), size=size)
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=False)
+    assert not done.returncode, done.stderr
     answers = [answer for _, answer in json.loads(done.stdout)]
     memory = [used for _, used in answers]
     assert max(memory) - min(memory) < 5 * size

@@ -40,7 +40,7 @@ _OWN = 0.5
 _ABOUT = 0.1
 # Boxes with edges that agree to this share are about one shape.
 _SAME_SHAPE = 0.1
-# So many other drawings with the same primitives show that these stand for parts that hardly touch anything.
+# So many other drawings with the same primitives show that these stand for parts that hardly touch anything (chosen).
 _OTHER_TOKENS = 2
 # A scale changes all edges of a box: those that agree to this factor had none.
 _SAME_EDGE = 1.1

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 # A direction counts as a coordinate axis to within half a degree.
 _SQUARE = 4e-5
-# Of the child's surface: with more of it inside other parts on the better side too, no axis frees it, and it is out of place.
+# Of the surface of the child: with more of it inside other parts on the better side too, no axis frees it (chosen).
 _MOST_INSIDE = 0.2
 # Joints on both sides of y = 0 are twins if their places mirror each other to this distance (m).
 _TWIN = 1e-3
