@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
 from urdfcheck.model.use.other_programs import find_attaching_program, is_named_in_package
+from urdfcheck.source.load import expand_edited
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
@@ -130,6 +131,10 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         "consequences": {"yourdfpy": "refuses the file" if is_refused else "loads it"} | _WORLD.get(called, {}),
     }
     near = graph.guess_link(attributes[0].owner.tag, called)
+    is_shared = _makes_other_names(model, attributes)
+    edits = [] if near is None or is_shared else edit_values((attribute, near) for attribute in attributes)
+    if edits and not _connects(model, graph, edits):
+        near, edits = None, []
     if near is None:
         links = join_names(graph.links) or "none"
         has_root = _has_root(model, graph)
@@ -157,12 +162,25 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
             **data,
         )
     else:
-        is_shared = _makes_other_names(model, attributes)
-        edits = [] if is_shared else edit_values((attribute, near) for attribute in attributes)
         where = ", here if the value makes no other names, otherwise where a macro makes this name of it" * is_shared
         data["repair"] = f"write `{spell_breaks(near)}`{where}"
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _connects(model: Model, graph: KinematicGraph, edits: Sequence[Edit]) -> bool:
+    """Whether a xacro with these edits still has all its links, and no joint lacks another one than before."""
+    if not model.source.is_xacro:
+        return True
+    root = expand_edited(model.source, edits).root
+    if root is None:
+        return False
+    links = {element.get("name") for element in root.find_children("link")}
+    named = {
+        e.get("link") for joint in root.find_children("joint") for e in joint.children if e.tag in ("parent", "child")
+    }
+    unknown = {link for joint in graph.broken for link in (joint.parent, joint.child)}.difference(graph.links)
+    return links == set(graph.links) and (named - links) < unknown
 
 
 def _makes_other_names(model: Model, attributes: list[Attribute]) -> bool:

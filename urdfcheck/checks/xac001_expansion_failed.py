@@ -10,8 +10,9 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.sax import saxutils
 
-from urdfcheck.core import Finding, Location, Rule, Severity
+from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import (
     SLIP_LIKENESS,
@@ -23,7 +24,7 @@ from urdfcheck.core.text import (
     join_names,
 )
 from urdfcheck.source.launch.built_files import may_be_built
-from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.load import Source, expand_edited, locate_expression
 from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
@@ -82,6 +83,8 @@ _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
 _PATH_REPAIR = "correct the path"
+# Kinds of problems that end an expansion because of what is written.
+_STOPS = frozenset({"expansion-failed", "include-cycle"})
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 _BUILT_IN_NAMES = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
 _FILE_NAME_REPAIR = (
@@ -218,6 +221,7 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         extra = tuple(a.location for a in defined[name])
     else:
         near = _find_built_in_name(name) or find_nearest_name(name, known)
+        near = near if near and _gets_past_with(failure, _list_renamings(failure, name, near)) else None
         defining = [] if near else _find_defining_files(failure.source, name, read_defined_properties)
         why = f" (did you mean {near!r}?)" if near else ""
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
@@ -226,7 +230,7 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         repair = _describe_near_name(failure, near, define) if near else define
         if defining:
             why = f"; {' and '.join(defining)} of the package {'define' if len(defining) > 1 else 'defines'} it"
-            repair = _describe_include(failure.source, defining, define)
+            repair = _describe_include(failure, defining, define)
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options, defining=defining
     )
@@ -314,7 +318,7 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         repair = f"define the macro before this line ({' and '.join(defining)} may: it is there {where}), or correct the name"
     elif defining:
         defining = [file for file in defining if not _defines_in_part(failure.source, file, name)]
-        repair = _describe_include(failure.source, defining, "correct the name", ", which defines the macro,")
+        repair = _describe_include(failure, defining, "correct the name", ", which defines the macro,")
     return _build_report(
         failure,
         "unknown-macro",
@@ -403,18 +407,60 @@ def _is_unused(source: Source) -> bool:
     return _is_orphan(source) or (not source.is_part and is_named_nowhere(source) and is_certainly_left_aside(source))
 
 
-def _describe_include(source: Source, files: Sequence[str], otherwise: str, clause: str = "") -> str:
+def _describe_include(failure: _ExpansionFailure, files: Sequence[str], otherwise: str, clause: str = "") -> str:
     """Say where what is missing comes from: a piece of a robot gets it from the file that includes both.
 
-    A whole robot is not proposed.
+    A whole robot is not proposed, nor a file with which the expansion gets no further.
     """
+    source = failure.source
     robots = [name for name in files if _is_robot(source, name)]
-    listed = " or ".join(name for name in files if name not in robots)
+    pieces = [name for name in files if name not in robots]
+    if not _is_orphan(source):
+        pieces = [name for name in pieces if _gets_past_with_included(failure, name)]
+    listed = " or ".join(pieces)
     if _is_orphan(source):
         place = f"in the model, after {listed}" if listed else f"in a model, such as {' or '.join(robots)}"
         return f"delete this file if nothing needs it; else include it {place}"
     repair = f"include {listed}{clause} before this line, or {otherwise}" if listed else otherwise
     return f"delete this file if nothing needs it; else {repair}" if _is_unused(source) else repair
+
+
+def _gets_past_with_included(failure: _ExpansionFailure, name: str) -> bool:
+    """Whether the expansion gets further with a file of the package, by its name, included before the element at fault."""
+    element = _find_failing_element(failure)
+    while element is not None and element.parent is not None and element.parent.parent is not None:
+        element = element.parent
+    if element is None or element.span is None:
+        return False
+    start = replace(element.span, end=element.span.start)
+    for place in _find_in_package(failure.source, name):
+        file = saxutils.quoteattr(str(place.absolute()).replace("$(", "$$(").replace("${", "$${"))
+        if _gets_past_with(failure, [Edit(start, "", f"<xacro:include filename={file}/>")]):
+            return True
+    return False
+
+
+def _list_renamings(failure: _ExpansionFailure, name: str, near: str) -> list[Edit]:
+    """Return the edit that writes another name in the text that was evaluated."""
+    span = locate_expression(failure.source, failure.problem, failure.expression).span
+    if span is None or span.file not in failure.source.files:
+        return []
+    typed = failure.source.files[span.file].text[span.start : span.end]
+    written = re.sub(rf"\b{re.escape(name)}\b", near, typed)
+    return [Edit(span, typed, written)] if written != typed else []
+
+
+def _gets_past_with(failure: _ExpansionFailure, edits: Sequence[Edit]) -> bool:
+    """Whether the expansion gets past what stopped it with these edits, and is not stopped in a file that they include."""
+    if not edits:
+        return False
+    stops = [p for p in expand_edited(failure.source, edits).problems if p.kind in _STOPS]
+    return all(
+        p.kind == failure.problem.kind
+        and p.message != failure.problem.message
+        and (p.location.span is None or p.location.span.file in failure.source.trees)
+        for p in stops
+    )
 
 
 def _is_robot(source: Source, name: str) -> bool:
@@ -567,7 +613,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     except OSError:
         beside = []
     near = (
-        _format_file_hint(failure.source, path, beside)
+        _format_file_hint(failure, path, beside)
         if beside
         else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
@@ -666,9 +712,10 @@ def _is_relative(failure: _ExpansionFailure) -> bool:
     return "$(find" not in typed and not typed.startswith("/")
 
 
-def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
+def _format_file_hint(failure: _ExpansionFailure, path: Path, beside: Sequence[str]) -> str:
     """Return `` (did you mean 'x'?)`` for a file beside the missing one: of a similar name, unless others define a macro that the
-    files call and that is not known, and it does not. A file that is included elsewhere is not meant."""
+    files call and that is not known, and it does not. A file that is included elsewhere, or that does not help, is not meant."""
+    source = failure.source
     unknown = collect_called_macros(source.trees) - collect_macros(source.trees).keys()
     tops = (child.tag for tree in source.trees.values() for child in tree.children)
     unknown |= {tag for tag in tops if tag not in CHILDREN["robot"] and ":" not in tag}
@@ -684,11 +731,22 @@ def _format_file_hint(source: Source, path: Path, beside: Sequence[str]) -> str:
     near = find_nearest_name(path.name, beside)
     if defining and near not in defining:
         return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
-    if near and (near in defining or not unknown or not defined.get(near)):
+    if near and (near in defining or not unknown or not defined.get(near)) and _may_be_meant(failure, path, near):
         return f" (did you mean {near!r}?)"
     # One beside that only defines other macros than those that are missing is none of the two.
     is_meant = len(others) == 1 and others[0] in beside and not defined.get(others[0])
+    is_meant = is_meant and _may_be_meant(failure, path, others[0])
     return f" (the only other {path.suffix} file there is {others[0]!r})" if is_meant else ""
+
+
+def _may_be_meant(failure: _ExpansionFailure, path: Path, name: str) -> bool:
+    """Whether the expansion gets past the include of a missing file with another file beside it; so too where its name is
+    computed, which is not tried."""
+    element = _find_failing_element(failure)
+    typed = None if element is None or element.tag != "xacro:include" else element.attributes.get("filename")
+    if typed is None or typed.span is None or not typed.typed.endswith(path.name):
+        return True
+    return _gets_past_with(failure, [Edit(typed.span, typed.typed, typed.typed.removesuffix(path.name) + name)])
 
 
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:

@@ -5,13 +5,15 @@ from __future__ import annotations
 import errno
 import os
 import re
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.core import Location, Span
+from urdfcheck.core import Edit, Location, Span
+from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.file_kinds import is_xacro as has_xacro_name
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
@@ -20,9 +22,12 @@ from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml, restore_breaks
 from urdfcheck.source.text.yaml.values import YamlKeyRead
 from urdfcheck.system.encodings import is_utf_8
+from urdfcheck.system.files import overlay_files
 
 if TYPE_CHECKING:
     from xml.dom import minidom
+
+    from urdfcheck.source.xacro.expand import Expansion
 
 _USES_XACRO = re.compile(r"<xacro:|\$\{|\$\((?:find|arg|eval|env|optenv|dirname)\b")
 # What xacro writes into its results.
@@ -181,6 +186,29 @@ def load_source(
         found_arguments=found_arguments,
         assumed_variables=assumed_variables,
     )
+
+
+def expand_edited(source: Source, edits: Iterable[Edit]) -> Expansion:
+    """Expand a xacro as it would be after edits of its files that do not overlap: so a repair is tried before it is proposed.
+
+    :raises ModelTimeout: if the model's time is used up.
+    """
+    from urdfcheck.source.xacro.expand import expand_xacro
+
+    changed: dict[str, list[Edit]] = defaultdict(list)
+    for edit in edits:
+        changed[edit.span.file].append(edit)
+    contents: dict[str, bytes] = {}
+    for name, those in changed.items():
+        file, text = source.files[name], source.files[name].text
+        for edit in sorted(those, key=lambda e: e.span.start, reverse=True):
+            text = text[: edit.span.start] + edit.replacement + text[edit.span.end :]
+        contents[os.path.realpath(file.path)] = text.encode(file.encoding, "replace")
+    with overlay_files(contents, is_trial=True):
+        expansion = expand_xacro(source.path, source.arguments, source.finder, extra_environment=source.environment)
+    if any(problem.kind == "time-limit" for problem in expansion.problems):
+        raise ModelTimeout
+    return expansion
 
 
 def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None, finder: PackageFinder) -> bool:

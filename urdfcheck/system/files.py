@@ -43,8 +43,9 @@ Stamp = tuple[int, int] | None
 class _Overlay:
     """Contents that replace those of files, by real path."""
 
-    def __init__(self, texts: Mapping[str, bytes]) -> None:
+    def __init__(self, texts: Mapping[str, bytes], *, is_trial: bool) -> None:
         self.texts = texts
+        self.is_trial = is_trial
         # Of the files that exist; None if one does not.
         self.numbers = frozenset(map(_identify, texts))
 
@@ -76,9 +77,15 @@ def record_reads() -> Iterator[dict[str, Stamp]]:
 
 
 @contextmanager
-def overlay_files(texts: Mapping[str, bytes]) -> Iterator[None]:
-    """Read files of these real paths as if they held these bytes: the model after an edit."""
-    token = _overlay.set(_Overlay(texts) if texts else None)
+def overlay_files(texts: Mapping[str, bytes], *, is_trial: bool = False) -> Iterator[None]:
+    """Read files of these real paths as if they held these bytes: the model after an edit.
+
+    Inside another such context the other files keep the contents that it gives them. ``is_trial``: the contents were made of
+    those of the files, which were read before; the outcome depends on nothing but them.
+    """
+    outer = _overlay.get()
+    texts = texts if outer is None else {**outer.texts, **texts}
+    token = _overlay.set(_Overlay(texts, is_trial=is_trial) if texts else None)
     try:
         yield
     finally:
@@ -131,7 +138,7 @@ def read_with_digest(path: Path, limit: int) -> tuple[bytes, str]:
 
 def _read_whole(path: Path, limit: int, *, with_digest: bool) -> tuple[bytes, str]:
     with _open_regular(path) as (file, size, status):
-        note_content(path, status)
+        _note_content(path, status)
         if size > limit:
             raise FileTooLargeError(limit, size)
         data = file.read(size + 1)
@@ -144,7 +151,7 @@ def _read_whole(path: Path, limit: int, *, with_digest: bool) -> tuple[bytes, st
     if not with_digest:
         return data, ""
     digest = compute_sha256(data)
-    note_content(path, status, digest)
+    _note_content(path, status, digest)
     return data, digest
 
 
@@ -156,8 +163,15 @@ def read_start(path: Path, count: int, *, follows_link: bool = True) -> bytes:
     :raises OSError: for anything but a regular file, and when it cannot be read.
     """
     with _open_regular(path, follows_link=follows_link) as (file, _, status):
-        note_content(path, status)
+        _note_content(path, status)
         return file.read(count)
+
+
+def _note_content(path: Path, status: os.stat_result | None, digest: str = "") -> None:
+    overlay = _overlay.get()
+    if status is None and overlay is not None and overlay.is_trial:
+        return
+    note_content(path, status, digest)
 
 
 @contextmanager
