@@ -196,6 +196,16 @@ def test_a_child_means_first_a_link_that_still_has_no_parent(tmp_path: Path) -> 
     assert finding.data["near"] == "arms"
 
 
+def test_a_name_whose_correction_renames_the_link_too_is_not_proposed(tmp_path: Path) -> None:
+    text = """<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:property name="body" value="base"/>
+<link name="${body}_link"/><link name="arm"/>
+<joint name="mount" type="fixed"><parent link="${body}"/><child link="arm"/></joint></robot>"""
+    (finding,) = check_text(tmp_path, text, "robot.urdf.xacro", codes={"KIN002"}).findings
+    assert finding.message_id == "unknown"
+    assert finding.fix is not None
+    assert "base_link" not in finding.fix.title
+
+
 def test_a_missing_link_is_one_finding_however_many_joints_name_it(tmp_path: Path) -> None:
     text = make_tree("a b c", "torso a", "torso b", "torso c")
     (finding,) = check_text(tmp_path, text, codes=TREE).findings

@@ -341,6 +341,32 @@ def test_the_only_file_of_a_kind_is_named_for_a_missing_one(tmp_path: Path, othe
     assert (finding.message_id, finding.data["hint"]) == ("file-missing", hint)
 
 
+def test_a_file_beside_a_missing_one_that_includes_the_model_is_not_meant(tmp_path: Path) -> None:
+    for name in ("robot_colour.xacro", "whole.xacro"):
+        (tmp_path / name).write_text(HEAD + '<xacro:include filename="robot.urdf.xacro"/></robot>')
+    finding = only(xacro(tmp_path, '<xacro:include filename="robot_colours.xacro"/>', {"XAC001"}))
+    assert (finding.message_id, finding.data["hint"]) == ("file-missing", "")
+
+
+@pytest.mark.parametrize("has_size", [False, True])
+def test_a_file_is_proposed_that_brings_the_expansion_further(tmp_path: Path, has_size: bool) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    macro = '<xacro:macro name="cover" params=""><link name="cover"/></xacro:macro>'
+    needed = "" if has_size else '<link name="cover_${size}"/>'
+    (tmp_path / "cover.xacro").write_text(HEAD.replace(' name="r"', "") + needed + macro + "</robot>")
+    finding = only(xacro(tmp_path, "<xacro:cover/>", {"XAC001"}))
+    assert finding.message_id == "unknown-macro"
+    assert finding.fix is not None
+    proposal = "include cover.xacro, which defines the macro, before this line, or "
+    assert finding.fix.title == proposal * has_size + "correct the name"
+
+
+def test_a_name_that_is_not_defined_there_either_is_not_meant(tmp_path: Path) -> None:
+    text = '<xacro:macro name="m" params="length"/><link name="${lenght}"/>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert (finding.message_id, finding.data["hint"]) == ("undefined-name", "")
+
+
 @pytest.mark.parametrize("build", ["", "convert_model(${arms}/arm.dae)\nadd_custom_target(all ALL)"])
 def test_a_missing_file_that_the_build_may_make_is_built_first(tmp_path: Path, build: str) -> None:
     (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")

@@ -18,7 +18,7 @@ from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
-_ADDING = 'add `<link name="{called}"/>`, or {naming}'
+_ADDING = 'add `<link name="{called}"/>` if no other file is to bring it, or {naming}'
 # Beside a root, the link alone would be a second one.
 _CARRYING = '{naming}, or add `<link name="{called}"/>` and the joint that carries it'
 # Another file may have been meant to complete this one, as an upper body does a lower one.

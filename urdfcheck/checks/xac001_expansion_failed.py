@@ -455,12 +455,15 @@ def _gets_past_with(failure: _ExpansionFailure, edits: Sequence[Edit]) -> bool:
     if not edits:
         return False
     stops = [p for p in expand_edited(failure.source, edits).problems if p.kind in _STOPS]
-    return all(
-        p.kind == failure.problem.kind
-        and p.message != failure.problem.message
-        and (p.location.span is None or p.location.span.file in failure.source.trees)
-        for p in stops
-    )
+    return not any(p.kind != failure.problem.kind or _is_held_up(failure, p) for p in stops)
+
+
+def _is_held_up(failure: _ExpansionFailure, later: Problem) -> bool:
+    """Whether what stops the expansion after an edit is the same, at the same place, or in a file that was not read before."""
+    before, after = failure.problem.location.span, later.location.span
+    if later.message == failure.problem.message or before is None or after is None:
+        return True
+    return (after.file, after.start) == (before.file, before.start) or after.file not in failure.source.trees
 
 
 def _is_robot(source: Source, name: str) -> bool:
