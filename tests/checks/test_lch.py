@@ -49,7 +49,7 @@ def only(run: Run) -> list[Finding]:
         ("q", "check out its submodule: `git submodule update --init q`, and declare it in package.xml"),
         (
             "l",
-            "correct the package name, or install it, and declare it in package.xml; if a submodule that is not checked out has it",
+            "correct the package name, or install it, and declare it in package.xml; if a submodule that is not checked out",
         ),
     ],
 )
@@ -216,7 +216,8 @@ def test_only_a_launch_file_that_can_be_included_is_proposed(
         ('<arg name="frame"/>', 'declare the argument: `<arg name="base" default="…"/>`'),
         (
             '<arg name="frame" value="map"/>',
-            'delete `<arg name="frame" …/>` from the include: view.launch gives frame a fixed value, which roslaunch does not replace',
+            'delete `<arg name="frame" …/>` from the include: view.launch gives frame a fixed value, which roslaunch does not '
+            "replace",
         ),
         (
             '<arg name="frame" default="map"/>',
@@ -825,6 +826,27 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
     assert [f.message_id for f in find_in_launch(tmp_path, body, "LCH004")] == messages
+
+
+@pytest.mark.parametrize(
+    ("include", "is_passed"),
+    [
+        ('<include file="$(find car)/launch/robot.launch"><arg name="x" value="1"/></include>', True),
+        ('<include file="$(find car)/launch/$(arg which).launch"><arg name="x" value="1"/></include>', True),
+        ('<include file="$(find car)/launch/other.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(find car)/launch/robot.launch"><arg name="y" value="1"/></include>', False),
+        ('<!--<include file="robot.launch"><arg name="x" value="1"/></include>-->', False),
+        ('<include file="robot.launch"/><include file="b.launch"><arg name="x" value="1"/></include>', False),
+    ],
+)
+def test_an_argument_that_another_launch_file_passes_is_not_deleted_alone(
+    tmp_path: Path, include: str, is_passed: bool
+) -> None:
+    files = {"robot.launch": '<launch>\n<arg name="x"/>\n</launch>', "all.launch": f"<launch>{include}</launch>"}
+    (finding,) = find(tmp_path, files, "LCH004", name="robot.launch")
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) != is_passed
+    assert ("all.launch): roslaunch refuses one that is not declared" in get_repair(finding)) == is_passed
 
 
 @pytest.mark.parametrize(

@@ -348,7 +348,7 @@ def _list_files(text: str) -> list[str]:
 
 
 def _have_file(names: Sequence[str], text: str, finder: PackageFinder) -> bool:
-    """Whether one of these packages has the file that is typed behind another name; true where it is computed or none is named."""
+    """Whether one of these packages has the file that is typed behind another name; true where that is computed."""
     files = _list_files(text)
     if not names or not files:
         return True
