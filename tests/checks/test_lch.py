@@ -49,7 +49,7 @@ def only(run: Run) -> list[Finding]:
         ("q", "check out its submodule: `git submodule update --init q`, and declare it in package.xml"),
         (
             "l",
-            "correct the package name, or declare it in package.xml; if a submodule that is not checked out has it",
+            "correct the package name, or install it, and declare it in package.xml; if a submodule that is not checked out",
         ),
     ],
 )
@@ -134,6 +134,107 @@ def test_the_own_package_is_meant_where_it_has_the_file(tmp_path: Path) -> None:
     (finding,) = find_in_package(tmp_path, load("$(find spot_description)/urdf/car.urdf"), "LCH001")
     assert finding.message_id == "package"
     assert "(did you mean 'car'?)" in finding.message
+
+
+def get_repair(finding: Finding) -> str:
+    assert finding.fix is not None
+    return finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("file", "start"),
+    [("car.urdf", "correct the package name (did"), ("cart.urdf", "correct the package name and the path (did")],
+)
+def test_the_own_package_may_lack_the_file_that_is_typed_behind_a_similar_name(
+    tmp_path: Path, file: str, start: str
+) -> None:
+    (finding,) = find_in_package(tmp_path, load(f"$(find cars)/urdf/{file}"), "LCH001")
+    assert get_repair(finding).startswith(start)
+
+
+PART = '<robot><link name="l"/></robot>'
+EMPTY = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="m.xacro"/></robot>'
+WHOLE = '<robot name="r"><link name="l"/></robot>'
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "is_named"),
+    [
+        ("arm.urdf.xacro", WHOLE, True),
+        ("arm.urdf.xacro", EMPTY, True),
+        ("arm.urdf.xacro", PART, False),
+        ("arm.urdf.xacro", '<robot name="r"/>', False),
+        ("arm.urdf.xacro", "<robot", False),
+        ("arm.srdf", WHOLE, False),
+        ("arm.rviz", "Panels: []", False),
+        ("arm.sdf", "<sdf/>", False),
+        ("parts/arm.urdf", WHOLE, True),
+        ("parts/arm.urdf", PART, False),
+        ("parts/arm.urdf", "<sdf/>", False),
+    ],
+)
+def test_only_a_robot_is_proposed_in_place_of_a_missing_one(
+    tmp_path: Path, name: str, content: str, is_named: bool
+) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    place = tmp_path / "car/urdf" / name
+    place.parent.mkdir(exist_ok=True)
+    place.write_text(content)
+    (finding,) = find_in_package(tmp_path, XACRO.format("$(find car)/urdf/arm.urdf"), "LCH001")
+    assert (place.name in get_repair(finding)) == is_named
+
+
+@pytest.mark.parametrize(
+    ("passed", "content", "is_named"),
+    [
+        ("", "<launch/>", True),
+        ("", "<launch", False),
+        ("", "<robot/>", False),
+        ("", '<launch><include file="$(find car)/launch/car.launch"/></launch>', False),
+        ("gui", "<launch/>", False),
+        ("gui", '<launch><arg name="gui"/></launch>', True),
+        ("", '<launch><arg name="gui"/></launch>', False),
+        ("", '<launch><arg name="gui" default="1"/></launch>', True),
+    ],
+)
+def test_only_a_launch_file_that_can_be_included_is_proposed(
+    tmp_path: Path, passed: str, content: str, is_named: bool
+) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    (tmp_path / "car/launch/viewer.launch").write_text(content)
+    argument = f'<arg name="{passed}" value="1"/>' if passed else ""
+    for typed in ("launch/viewr.launch", "launch/parts/viewer.launch", "viewer.launch"):
+        body = f'<include file="$(find car)/{typed}">{argument}</include>'
+        (finding,) = find_in_package(tmp_path, body, "LCH001")
+        assert ("viewer.launch" in get_repair(finding)) == is_named
+
+
+@pytest.mark.parametrize(
+    ("argument", "repair"),
+    [
+        ("", 'delete `<arg name="frame" …/>` from the include: view.launch declares no frame, so roslaunch refuses it'),
+        ('<arg name="frame"/>', 'declare the argument: `<arg name="base" default="…"/>`'),
+        (
+            '<arg name="frame" value="map"/>',
+            'delete `<arg name="frame" …/>` from the include: view.launch gives frame a fixed value, which roslaunch does not '
+            "replace",
+        ),
+        (
+            '<arg name="frame" default="map"/>',
+            'declare the argument: `<arg name="base" default="…"/>`; or delete `<arg name="frame" …/>` from the include: '
+            "view.launch has a default for it",
+        ),
+    ],
+)
+def test_an_unknown_argument_is_declared_where_the_included_file_takes_it(
+    tmp_path: Path, argument: str, repair: str
+) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    (tmp_path / "car/launch/view.launch").write_text(f"<launch>{argument}</launch>")
+    handed = '<arg name="frame" value="$(arg base)"/>'
+    body = f'<include file="$(find car)/launch/view.launch">{handed}</include>'
+    (finding,) = find_in_package(tmp_path, body, "LCH001")
+    assert get_repair(finding) == repair
 
 
 @pytest.mark.parametrize(
@@ -380,7 +481,9 @@ def test_a_released_package_is_declared_and_a_dependency_of_a_dependency_is(tmp_
     (finding,) = find_in_package(tmp_path, text, "LCH001")
     assert finding.fix is not None
     # The file may be another robot's, copied as a beginning.
-    assert finding.fix.title == "declare it in package.xml if that robot is meant, else name the model of this package"
+    assert finding.fix.title == (
+        "install it, and declare it in package.xml, if that robot is meant; else name the model of this package"
+    )
     arm = tmp_path / "arm/package.xml"
     arm.parent.mkdir()
     arm.write_text("<package format='2'><name>arm</name><depend>ur_description</depend></package>")
@@ -393,7 +496,7 @@ def test_a_xacro_in_place_of_a_model_that_is_read_as_it_is(tmp_path: Path) -> No
     for body, told in ((load("{}"), "which xacro must expand"), (XACRO.format("{}"), "did you mean")):
         root = tmp_path / told.split()[0]
         find_in_package(root, LOAD, "LCH001")
-        (root / "car/urdf/arm.urdf.xacro").write_text('<robot name="r"/>')
+        (root / "car/urdf/arm.urdf.xacro").write_text('<robot name="r"><link name="l"/></robot>')
         (finding,) = find_in_package(root, body.format("$(find car)/urdf/arm.urdf"), "LCH001")
         assert told in finding.message
 
@@ -723,6 +826,27 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
 )
 def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
     assert [f.message_id for f in find_in_launch(tmp_path, body, "LCH004")] == messages
+
+
+@pytest.mark.parametrize(
+    ("include", "is_passed"),
+    [
+        ('<include file="$(find car)/launch/robot.launch"><arg name="x" value="1"/></include>', True),
+        ('<include file="$(find car)/launch/$(arg which).launch"><arg name="x" value="1"/></include>', True),
+        ('<include file="$(find car)/launch/other.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(find car)/launch/robot.launch"><arg name="y" value="1"/></include>', False),
+        ('<!--<include file="robot.launch"><arg name="x" value="1"/></include>-->', False),
+        ('<include file="robot.launch"/><include file="b.launch"><arg name="x" value="1"/></include>', False),
+    ],
+)
+def test_an_argument_that_another_launch_file_passes_is_not_deleted_alone(
+    tmp_path: Path, include: str, is_passed: bool
+) -> None:
+    files = {"robot.launch": '<launch>\n<arg name="x"/>\n</launch>', "all.launch": f"<launch>{include}</launch>"}
+    (finding,) = find(tmp_path, files, "LCH004", name="robot.launch")
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) != is_passed
+    assert ("all.launch): roslaunch refuses one that is not declared" in get_repair(finding)) == is_passed
 
 
 @pytest.mark.parametrize(

@@ -72,3 +72,4 @@ def test_no_edit_where_the_file_is_not_utf_8(tmp_path: Path) -> None:
     (finding,) = find_in_package(tmp_path, launch, head, "latin-1")
     assert finding.fix is not None
     assert not finding.fix.edits
+    assert finding.fix.title == "save the file in UTF-8 and delete the encoding: without one, XML is UTF-8"

@@ -367,6 +367,40 @@ def test_the_pointers_of_one_repository_are_one_finding(tmp_path: Path) -> None:
     assert "git lfs" not in hand.fix.title
 
 
+@pytest.mark.parametrize(
+    ("place", "line", "repair"),
+    [
+        (".gitattributes", "*.stl filter=lfs", "run `git lfs install`, then `git lfs pull`, in {}"),
+        (".gitattributes", "arm/** filter=lfs", "run `git lfs install`, then `git lfs pull`, in {}"),
+        (
+            ".gitattributes",
+            "*.dae filter=lfs",
+            "run `git lfs install`, then `git lfs pull`, in {}; if they stay pointers",
+        ),
+        (
+            "arm/.gitattributes",
+            "*.stl filter=lfs",
+            "run `git lfs install`, then `git lfs pull`, in {}; if they stay pointers",
+        ),
+        ("arm/.gitattributes", "# *.stl filter=lfs", "copy the mesh itself"),
+        (".gitattributes", "*.stl binary", "copy the mesh itself"),
+    ],
+)
+def test_files_are_fetched_from_the_repository_that_keeps_them(
+    tmp_path: Path, place: str, line: str, repair: str
+) -> None:
+    for folder in (".git", "arm"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / place).write_text(f"{line}\n")
+    (tmp_path / "arm/a.stl").write_bytes(POINTER)
+    (finding,) = find_in_mesh(tmp_path, "PKG009", "", shape("visual", "arm/a.stl"))
+    assert finding.fix is not None
+    start, _, end = repair.partition("{}")
+    assert finding.fix.title.startswith(start)
+    assert end in finding.fix.title
+    assert ("if they stay pointers" in finding.fix.title) == ("stay" in repair)
+
+
 def test_a_pointer_is_not_called_unreadable_as_well(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH001", POINTER, shape("visual"))
 

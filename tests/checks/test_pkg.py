@@ -905,6 +905,33 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>amcl</exec_depend>"]
 
 
+@pytest.mark.parametrize(("last", "messages"), [("p", ["ring"] * 3), ("amcl", ["undeclared"] * 3)])
+def test_lines_that_make_a_circle_together_are_not_proposed(tmp_path: Path, last: str, messages: list[str]) -> None:
+    include = '<launch><include file="$(find {0})/launch/{0}.launch"/></launch>'
+    for name, used in (("p", "q"), ("q", "m"), ("m", last)):
+        files = {"package.xml": manifest(name=name), f"launch/{name}.launch": include.format(used)}
+        write(tmp_path / name, {**files, "urdf/r.urdf": URDF})
+    write(tmp_path, {".git/HEAD": ""})
+    found = findings(tmp_path, "PKG007")
+    assert [f.message_id for f in found] == messages
+    told = {f.message for f in found}
+    chain = "and q uses p through m: declaring all these dependencies would make a cycle"
+    assert any(message.endswith(chain) for message in told) == (last == "p")
+
+
+@pytest.mark.parametrize("way", ["pkg", "include"])
+def test_a_started_program_is_not_listed_where_its_package_uses_this_one_through_another(
+    tmp_path: Path, way: str
+) -> None:
+    include = '<launch><include file="$(find {0})/launch/{0}.launch"/></launch>'
+    start = '<launch><include file="$(find amcl)/a.launch"/><node name="n" pkg="q" type="t"/></launch>'
+    for name, text in (("p", start), ("q", include.format("m")), ("m", include.format("p" if way == "pkg" else "tf"))):
+        write(tmp_path / name, {"package.xml": manifest(name=name), f"launch/{name}.launch": text, "urdf/r.urdf": URDF})
+    write(tmp_path, {".git/HEAD": ""})
+    (names,) = [f.data["names"] for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"]
+    assert names == (["amcl"] if way == "pkg" else ["amcl", "q"])
+
+
 @pytest.mark.parametrize(
     ("first", "names"),
     [

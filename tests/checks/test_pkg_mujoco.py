@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from builders import find
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -40,3 +41,36 @@ def test_mujoco_takes_one_file_for_two_of_one_name_if_it_strips_folders(tmp_path
     files = "package://hand/left/finger.obj", "package://hand/right/finger.obj"
     first, second = load_mesh_sizes(tmp_path, *files, before=STRIP)
     assert first == second
+
+
+@pytest.mark.parametrize(
+    ("before", "repair"),
+    [
+        ("", '{0}<mujoco><compiler meshdir="left" strippath="true"/></mujoco>'),
+        ("<mujoco>{}</mujoco>", '<mujoco><compiler meshdir="left" strippath="true"/></mujoco>'),
+        (
+            '<mujoco><compiler balanceinertia="true"/></mujoco>',
+            '<mujoco><compiler balanceinertia="true" meshdir="left" strippath="true"/></mujoco>',
+        ),
+    ],
+)
+def test_the_repair_adds_no_second_element_which_mujoco_refuses(tmp_path: Path, before: str, repair: str) -> None:
+    file = "package://hand/left/finger.obj"
+    with pytest.raises(ValueError, match="Error opening file"):
+        load_mesh_sizes(tmp_path, file, before=before.format(""))
+    (tmp_path / "package.xml").write_text("<package format='3'><name>hand</name></package>", encoding="utf-8")
+    (finding,) = find(
+        tmp_path, (tmp_path / "hand.urdf").read_text(encoding="utf-8"), "PKG014", name="hand.urdf", targets=("mujoco",)
+    )
+    assert finding.fix is not None
+    added = '<compiler meshdir="left" strippath="true"/>'
+    told = {
+        "": f"add <mujoco>{added}</mujoco> to the robot",
+        "<mujoco>{}</mujoco>": f"add {added} to the <mujoco> of the robot",
+    }
+    assert finding.fix.title == told.get(
+        before, 'write meshdir="left" strippath="true" in the <compiler> of its <mujoco>'
+    )
+    assert len(load_mesh_sizes(tmp_path, file, before=repair.format(""))) == 1
+    with pytest.raises(ValueError, match="repeated element"):
+        load_mesh_sizes(tmp_path, file, before=f"<mujoco/>{repair.format('')}")

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
-from urdfcheck.core.text import format_name_hint, join_names
+from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.built_files import find_maker, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
@@ -21,21 +21,27 @@ from urdfcheck.source.launch.launch_file import (
     is_included_by_sibling,
     list_declared_arguments,
 )
+from urdfcheck.source.launch.meant_files import (
+    Trial,
+    can_be_included,
+    describe_handing,
+    describe_meant_file,
+    is_semantic,
+    makes_robot,
+    may_be_declared,
+    takes_arguments,
+)
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
-from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
-from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
-from urdfcheck.source.ros.dependencies import find_dependent
+from urdfcheck.source.ros.dependencies import describe_declaration, find_dependent
 from urdfcheck.source.text.tokens import locate_text
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.xacro.file_contents import defines_macros, has_parts
-from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing
+from urdfcheck.source.text.xml import Element
 
 # The characters of a command that a message shows.
 _SHOWN = 80
@@ -83,7 +89,7 @@ def _say_for_ros2(finding: Finding) -> Finding:
 def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.python is not None:
-        yield from _check_python_launch(launch.python, launch.finder, rule, is_explicit=context.is_explicit)
+        yield from _check_python_launch(launch, launch.python, rule, is_explicit=context.is_explicit)
     for description in launch.descriptions:
         if description.unresolved is not None:
             at = locate_text(description.at, description.file, launch.files)
@@ -114,25 +120,39 @@ def _is_chosen_by_argument(description: DescriptionSource) -> bool:
 def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterator[Finding]:
     """Report an include whose file or argument does not exist."""
     at, name = include.at, include.unresolved.name
+    file = None if at.span is None else launch.files.get(at.span.file)
     if include.unresolved.kind == "file":
-        file = None if at.span is None else launch.files.get(at.span.file)
         including = [launch.path] if file is None else [launch.path, file.path]  # one that includes itself never ends
-        beside = _describe_neighbours(name, launch.finder, without=including)
-        yield rule.finding("include-file", at=at, path=name, **beside)
+        is_ros2 = launch.dialect == "ros2"
+
+        def is_right(path: Path) -> bool:
+            is_possible = can_be_included(path, name, including, launch.finder)
+            return is_possible and takes_arguments(path, include, launch.finder, is_ros2=is_ros2)
+
+        yield rule.finding("include-file", at=at, path=name, **_describe_neighbours(name, launch.finder, is_right))
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(at.owner))]
-        if not _may_be_declared(name, names):  # one without a default gets its value at launch
+        if not may_be_declared(name, names):  # one without a default gets its value at launch
+            near = format_name_hint(name, names)
             yield rule.finding(
-                "include-argument", at=at, file=at.value, argument=name, near=format_name_hint(name, names)
+                "include-argument",
+                at=at,
+                file=at.value,
+                argument=name,
+                near=near,
+                repair=_describe_argument_repair(include, near, launch.finder),
             )
 
 
-def _may_be_declared(name: str, declared: Iterable[str]) -> bool:
-    """Whether an argument has one of these names, of which launch files may compute a part: ``$(arg robot)_ip``."""
-    patterns = (".*".join(map(re.escape, _SUBSTITUTION.split(text))) for text in declared)
-    return any(re.fullmatch(pattern, name) for pattern in patterns)
+def _describe_argument_repair(include: BrokenInclude, near: str, finder: PackageFinder) -> str:
+    """Say how an include gets along whose line passes on an argument that is not declared: as the included file takes it."""
+    deletion, is_taken = describe_handing(include.handed, include.file, finder)
+    declaration = f'declare the argument{near}: `<arg name="{include.unresolved.name}" default="…"/>`'
+    if not is_taken:
+        return deletion
+    return f"{declaration}; or {deletion}" if deletion else declaration
 
 
 def _check_description(
@@ -148,16 +168,20 @@ def _check_description(
         if _is_in_rosbuild_package(description.file, launch.finder):
             yield build_unknown(f"rosbuild finds package {obstacle.name!r} only in a folder of this name")
         elif package is None or find_dependent(package, obstacle.name, launch.finder) is None:
-            near = _format_suggestions(_suggest_packages(launch, description, obstacle.name, package))
-            declare = "install it" if package is None else "declare it in package.xml"
+            names = _suggest_packages(launch, description, obstacle.name, package)
+            near = _format_suggestions(names)
+            declaration = describe_declaration(package, obstacle.name, launch.finder, shown="it")
             if checkout:
-                near, repair = " (its submodule is not checked out)", f"{checkout}, and {declare}"
+                near, repair = " (its submodule is not checked out)", f"{checkout}{declaration}"
             elif obstacle.name in read_released_packages() and not near:
                 # The file may be another robot's, copied as a beginning.
                 own = package is not None and _has_own_model(package)
-                repair = f"{declare} if that robot is meant, else name the model of this package" if own else declare
+                repair = f"install it{declaration}"
+                repair += ", if that robot is meant; else name the model of this package" if own else ""
             else:
-                repair = add_checkout(f"correct the package name{near}, or {declare}", obstacle.name, launch.finder)
+                place = "" if _have_file(names, description.file, launch.finder) else " and the path"
+                repair = f"correct the package name{place}{near}, or install it{declaration}"
+                repair = add_checkout(repair, obstacle.name, launch.finder)
             yield rule.finding(
                 "package",
                 at=at,
@@ -176,7 +200,7 @@ def _check_description(
             )
     elif obstacle.kind == "argument":
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
-        if not _may_be_declared(obstacle.name, names):
+        if not may_be_declared(obstacle.name, names):
             near = format_name_hint(obstacle.name, names)
             yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
         elif not is_included_by_sibling(
@@ -191,7 +215,8 @@ def _check_description(
     elif obstacle.kind == "file" and (made := _describe_maker(obstacle.name, launch.finder)) is not None:
         yield build_unknown(made[0], repair=made[1])
     elif obstacle.kind == "file":
-        beside = _describe_neighbours(obstacle.name, launch.finder, is_expanded=description.uses_xacro)
+        is_right = partial(makes_robot, finder=launch.finder)
+        beside = _describe_neighbours(obstacle.name, launch.finder, is_right, is_expanded=description.uses_xacro)
         yield rule.finding("file", at=at, path=obstacle.name, **beside)
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
@@ -231,9 +256,15 @@ def _build_unknown_finding(
     return rule.finding(message, at=at, severity=Severity.INFO, reason=reason, repair=repair)
 
 
-def _check_python_launch(
-    python: PythonLaunch, finder: PackageFinder, rule: Rule, *, is_explicit: bool
-) -> Iterator[Finding]:
+def _choose_trial(path: str, launch: Launch, *, is_model: bool) -> Trial:
+    """Return what decides whether another file would do in the place of one that a launch file in Python names."""
+    if not is_model:
+        return partial(can_be_included, wanted=path, including=[launch.path], finder=launch.finder)
+    return partial(is_semantic if path.lower().endswith(SRDF_SUFFIXES) else makes_robot, finder=launch.finder)
+
+
+def _check_python_launch(launch: Launch, python: PythonLaunch, rule: Rule, *, is_explicit: bool) -> Iterator[Finding]:
+    finder = launch.finder
     if python.syntax_problem is not None:
         yield rule.finding(
             "syntax", at=python.syntax_problem.location, severity=Severity.WARNING, error=python.syntax_problem.message
@@ -255,7 +286,12 @@ def _check_python_launch(
             confidence=Confidence.STRONG,
             path=path,
             kind=_SRDF if path.lower().endswith(SRDF_SUFFIXES) else "model",
-            **_describe_neighbours(path, finder, is_expanded=python.runs_xacro or message != "named"),
+            **_describe_neighbours(
+                path,
+                finder,
+                _choose_trial(path, launch, is_model=message == "named"),
+                is_expanded=python.runs_xacro or message != "named",
+            ),
         )
     for named in python.unknown_models:
         message = "depends" if named.depends_on else "unfound"
@@ -311,18 +347,28 @@ def _list_files(text: str) -> list[str]:
     return [] if inside is None else [inside[1]]
 
 
+def _have_file(names: Sequence[str], text: str, finder: PackageFinder) -> bool:
+    """Whether one of these packages has the file that is typed behind another name; true where that is computed."""
+    files = _list_files(text)
+    if not names or not files:
+        return True
+    folders = [folder for name in names if (folder := finder.find(name)) is not None]
+    places = [finder.find_source(folder / file) for folder in folders for file in files]
+    return any(finder.can_open(place) and place.is_file() for place in places)
+
+
 def _format_suggestions(names: list[str]) -> str:
     return f" (did you mean {' or '.join(map(repr, names))}?)" if names else ""
 
 
 def _describe_neighbours(
-    path: str, finder: PackageFinder, *, is_expanded: bool = True, without: Sequence[Path] = ()
+    path: str, finder: PackageFinder, is_right: Trial, *, is_expanded: bool = True
 ) -> dict[str, Any]:
     """Return what a message says about the folder of a missing file, and what the repair takes from it.
 
-    ``is_expanded``: whether xacro expands the file; ``without``: files that are not meant.
+    ``is_right``: whether another file would do; ``is_expanded``: whether xacro expands the file.
     """
-    near = _suggest_file(path, finder, is_expanded=is_expanded, without=without)
+    near = describe_meant_file(path, finder, is_right, is_expanded=is_expanded)
     return {
         "near": near,
         "meant": near if near.startswith(" (") else "",
@@ -334,72 +380,3 @@ def _describe_version(path: Path, finder: PackageFinder) -> str:
     """Say that another version of the package that lacks a file may have it, where it is not the launch file's own project."""
     package = finder.find_foreign_package(normalise_path(path.absolute()))
     return "" if package is None else f", get the version of {package.name} that has the file"
-
-
-def _suggest_file(path: str, finder: PackageFinder, *, is_expanded: bool, without: Sequence[Path]) -> str:
-    folder = Path(path).parent
-    if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
-        return ""
-    try:
-        names = [entry.name for entry in folder.iterdir() if entry.is_file()]
-    except OSError:
-        return _describe_only_file(path, finder, without) or f"; the folder {format_path(folder)} does not exist either"
-    avoided = {normalise_path(place.absolute()) for place in without}
-    here = normalise_path(folder.absolute())
-    names = [name for name in names if here / name not in avoided]
-    # A file that only defines macros makes an empty robot.
-    names = [name for name in names if not (name.endswith(_XACRO) and _is_of_macros(folder / name, finder))]
-    wanted = Path(path).name
-    namesakes = [name for name in names if name.partition(".")[0] == wanted.partition(".")[0]]
-    if len(namesakes) == 1 and namesakes[0].endswith(_XACRO) and not (wanted.endswith(_XACRO) or is_expanded):
-        return f" (there is {namesakes[0]!r}, which xacro must expand)"
-    if len(namesakes) == 1:
-        return f" (did you mean {namesakes[0]!r}?)"
-    near = format_name_hint(wanted, namesakes or names)
-    # Many packages have a gazebo.launch: another one's is not meant.
-    return near or (_describe_only_file(path, finder, without) if wanted.endswith(MODEL_SUFFIXES) else "")
-
-
-def _describe_only_file(path: str, finder: PackageFinder, without: Sequence[Path]) -> str:
-    """Name the file that a path may have meant, if the repository has one of this name elsewhere."""
-    only = _find_only_file(Path(path).name, finder)
-    if only is None or normalise_path(only.absolute()) in {normalise_path(place.absolute()) for place in without}:
-        return ""
-    if not (only.name.endswith(_XACRO) and _is_of_macros(only, finder)):
-        return f" (the only file of this name here is {format_path(only)})"
-    # Its macros make no robot until a file calls them.
-    callers = _find_includers(only, finder)
-    wanted = normalise_path(Path(path).absolute()).parent
-    callers = [caller for caller in callers if normalise_path(caller.absolute()).parent == wanted] or callers
-    listed = join_names(map(format_path, callers), 2)
-    shown = (
-        f"{listed} {'includes' if len(callers) == 1 else 'include'} it" if callers else "name a file that calls them"
-    )
-    return f" ({format_path(only)} only defines macros; {shown})"
-
-
-def _find_includers(part: Path, finder: PackageFinder) -> list[Path]:
-    """Return the xacro files of the repository that include a file of this name."""
-    index = index_files([find_project_folder(finder.start)])
-    files = sorted({path for paths in index.values() for path in paths if path.name.endswith(_XACRO)})
-    including = compile_includes([part.name])
-    readable = (path for path in files[:_MOST_INCLUDERS] if path != part and finder.can_open(path))
-    return [path for path in readable if including.search(read_text_or_nothing(path))]
-
-
-def _is_of_macros(path: Path, finder: PackageFinder) -> bool:
-    """Whether a xacro file defines macros and makes no link and no joint."""
-    try:
-        text = read_regular(path).decode("utf-8", "replace") if finder.can_open(path) else ""
-        root = parse_xml(SourceFile(path, path.name, text))
-    except (OSError, FileTooLargeError, XmlError):
-        return False
-    return defines_macros(root) and not has_parts(root)
-
-
-def _find_only_file(name: str, finder: PackageFinder) -> Path | None:
-    """Return the file with this name around the launch file, if there is one in the repository."""
-    found = [
-        path for path in index_files([find_project_folder(finder.start)]).get(name.lower(), ()) if path.name == name
-    ]
-    return found[0] if len(found) == 1 and finder.can_open(found[0]) else None

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule
+from urdfcheck.core.text import join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch, is_included_by_sibling
+from urdfcheck.source.launch.passing_files import find_passing_files
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
@@ -30,12 +34,27 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
             continue
         if name not in read:
             if not passes_all:
-                edits = build_removal_edits(argument, launch.files)
-                yield rule.finding("unused", at=argument, edits=edits, argument=name, verb=verb)
+                passing = find_passing_files(launch, name) if launch.dialect == "ros1" else []
+                yield rule.finding(
+                    "unused",
+                    at=argument,
+                    edits=() if passing else build_removal_edits(argument, launch.files),
+                    argument=name,
+                    repair=_describe_repair(name, verb, passing),
+                )
         elif not any(key in argument.attributes for key in ("default", "value", "doc", "description")):
             included = is_included_by_sibling(launch.path) if included is None else included
             if not included and not _has_comment(argument, launch):
                 yield rule.finding("required", at=argument, argument=name)
+
+
+def _describe_repair(name: str, verb: str, passing: Sequence[Path]) -> str:
+    """Say to delete the declaration, where other launch files pass the argument (``passing``) with the lines that do."""
+    use = f"use `$({verb} {name})` where the value is meant"
+    if not passing:
+        return f"delete the line, or {use}"
+    places = join_names(map(format_path, passing), 2)
+    return f"{use}; or delete the line and those that pass {name} to it ({places}): roslaunch refuses one that is not declared"
 
 
 def _has_comment(argument: Element, launch: Launch) -> bool:

@@ -40,15 +40,16 @@ def _check_source(source: Source, rule: Rule, spawners: Sequence[Span]) -> Itera
     file, match = found
     subject = source.file_location.subject
     whole = file.make_span(*match.span("whole"))
+    is_readable_without = is_utf_8(file.encoding) or file.text.isascii()  # without a declaration XML is UTF-8
     yield rule.finding(
         "spawned" if spawners else "declared",
         at=Location("launch" if spawners else subject, whole),
         related=[Location("launch", span) for span in spawners],
         severity=None if spawners else Severity.INFO,
-        # Without a declaration XML is UTF-8.
-        edits=[Edit(whole, match["whole"], "")] if is_utf_8(file.encoding) or file.text.isascii() else [],
+        edits=[Edit(whole, match["whole"], "")] if is_readable_without else [],
         applicability=Applicability.SAFE,
         encoding=match["name"],
+        repair="delete the encoding" if is_readable_without else "save the file in UTF-8 and delete the encoding",
         explains=[f"{rule.code} {subject}"] if spawners else [],
     )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice, takewhile
@@ -21,6 +22,7 @@ from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
     iter_started_packages,
+    list_mentioned_packages,
     mentions_package,
     read_package_contents,
 )
@@ -41,7 +43,7 @@ _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
 # Messages about packages that cannot both declare each other.
-_MUTUAL = frozenset({"circle", "mutual", "presumed-circle"})
+_MUTUAL = frozenset({"circle", "mutual", "presumed-circle", "ring"})
 # Messages about lines to add to package.xml.
 _MISSING_LINES = frozenset({"undeclared", "several"})
 # Messages about packages that are not found.
@@ -71,6 +73,8 @@ _ONLY_IN_ROS1 = frozenset({"rviz", "tf", "roslaunch"})
 _PLAIN_FILE = re.compile(r"^[^$*]*\.(?:urdf|xacro|launch|xml|yaml|dae|stl|rviz)$", re.IGNORECASE)
 _VIEW_SUFFIX = ".rviz"
 _SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
+# So many packages of the repository are read for one through which another uses this package.
+_MOST_IN_CHAIN = 40
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -108,12 +112,9 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     if unknown:
         message = "unknown" if len(unknown) == 1 else "unknown-several"
         yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
-    circular = [name for name in missing if package.name in collect_dependencies(package.finder, [name])]
-    for name in circular:
-        yield _build_finding(package, rule, root, file, message="circle", missing={name: missing.pop(name)})
-    # Their own lines are missing too: each would be right alone, and together they are a cycle.
-    for name in [name for name in missing if _uses_files_of(package, name)]:
-        yield _build_finding(package, rule, root, file, message="mutual", missing={name: missing.pop(name)})
+    for name, (message, chain) in _find_circles(package, missing).items():
+        found = {name: missing.pop(name)}
+        yield _build_finding(package, rule, root, file, message=message, missing=found, chain=chain)
     for name in [name for name, uses in missing.items() if all(_leads_nowhere(use, package) for use in uses)]:
         yield _build_finding(package, rule, root, file, message="dangling", missing={name: missing.pop(name)})
     for name in [name for name in missing if _is_probably_above(package, name)]:
@@ -211,6 +212,7 @@ def _is_above(package: Package, name: str) -> bool:
         package.name in collect_dependencies(package.finder, [name])
         or _uses_files_of(package, name)
         or _is_probably_above(package, name)
+        or bool(_find_chain(package, name))
     )
 
 
@@ -222,6 +224,7 @@ def _build_finding(
     *,
     message: str,
     missing: Mapping[str, Sequence[PackageMention]],
+    chain: Sequence[str] = (),
 ) -> Finding:
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
@@ -254,6 +257,7 @@ def _build_finding(
         file=PurePosixPath(uses[0].subpath.replace("\\", "/")).name,
         path=uses[0].subpath.strip("/"),
         tag=tags[names[0]],
+        chain=join_names(chain, 4),
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
@@ -516,6 +520,47 @@ def _uses_files_of(package: Package, name: str) -> bool:
         return False
     other = load_package(folder)
     return other is not None and mentions_package(other, package.name)
+
+
+def _find_circles(package: Package, missing: Iterable[str]) -> dict[str, tuple[str, Sequence[str]]]:
+    """Return the packages that need this one, each with its message and those through which it does.
+
+    Where this one's line is missing in them too, each line would be right alone, and together they are a cycle.
+    """
+    found: dict[str, tuple[str, Sequence[str]]] = {}
+    for name in missing:
+        if package.name in collect_dependencies(package.finder, [name]):
+            found[name] = "circle", ()
+        elif _uses_files_of(package, name):
+            found[name] = "mutual", ()
+        elif chain := _find_chain(package, name):
+            found[name] = "ring", chain
+    return found
+
+
+def _find_chain(package: Package, name: str) -> list[str]:
+    """Return the packages of the repository through which ``name`` uses this package, each of which uses the next or depends on
+    it; empty if it does not."""
+    finder, workspace = package.finder, _list_workspace(package)
+    if finder is None or name not in workspace:
+        return []
+    through: dict[str, list[str]] = {name: []}
+    waiting = deque([name])
+    for _ in range(_MOST_IN_CHAIN):
+        one = waiting.popleft() if waiting else ""
+        folder = workspace.get(one)
+        other = None if folder is None or not finder.can_open(folder / "package.xml") else load_package(folder)
+        if other is None:
+            if not waiting:
+                return []
+            continue
+        used = other.dependencies | list_mentioned_packages(other)
+        if package.name in used and one != name:
+            return through[one]
+        for further in sorted((used & workspace.keys()) - through.keys()):
+            through[further] = [*through[one], further]
+            waiting.append(further)
+    return []
 
 
 def _describe_idle_dependency(package: Package, name: str, tag: str) -> str:

@@ -12,6 +12,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
+from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.system.files import read_start
 
 POINTER = b"version https://git-lfs.github.com/spec/"
@@ -19,13 +20,15 @@ _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
 # A pointer of the format's first version has 130 bytes; its specification allows up to 1024.
 _MAX_POINTER_BYTES = 1024
 # What tells git to fetch files from LFS, and how much of the file that says it is read.
-_TRACKED, _MAX_ATTRIBUTE_BYTES = b"filter=lfs", 65_536
+_TRACKED, _MAX_ATTRIBUTE_BYTES = "filter=lfs", 65_536
+# Only a file below the root of the clone says so, perhaps in a copy of another repository, or none of its patterns fits.
+_DOUBTFUL = "doubtful"
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
-    """Report each repository once: one command repairs all of its files."""
+    """Report each repository once: one command repairs all of its files that it keeps in LFS."""
     sizes: dict[Path, int | None] = {}
-    by_repository: dict[Path | None, list[ResourceUse]] = {}
+    by_source: dict[tuple[Path | None, str], list[ResourceUse]] = {}
     for use in list_resource_uses(source):
         path = use.resource.path
         if use.attribute.owner.tag != "mesh" or path is None or not use.resource.exists:
@@ -33,16 +36,16 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if path not in sizes:
             sizes[path] = _read_pointer_size(path)
         if sizes[path] is not None:
-            by_repository.setdefault(_find_repository(path), []).append(use)
-    for repository, uses in by_repository.items():
+            repository = _find_repository(path)
+            tracked = "archive" if repository is None else _find_tracking(path, repository)
+            by_source.setdefault((repository, tracked), []).append(use)
+    for (repository, tracked), uses in by_source.items():
         paths = list(dict.fromkeys(use.resource.path for use in uses if use.resource.path is not None))
-        is_copied = repository is not None and not any(_is_tracked(path, repository) for path in paths)
-        where = "a clone of the repository" if repository is None else format_path(repository)
         yield rule.finding(
             "pointer" if len(paths) == 1 else "pointers",
             at=uses[0],
             related=uses[1:],
-            cause="archive" if repository is None else "copy" if is_copied else "clone",
+            cause="clone" if tracked == _DOUBTFUL else tracked,
             path=format_path(paths[0]),
             count=len(paths),
             listed=join_names((path.name for path in paths), 4),
@@ -50,10 +53,20 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             consequences=describe_unreadable_mesh(use.attribute.owner for use in uses),
             bytes=sum(sizes[path] or 0 for path in paths),
             repository=None if repository is None else format_path(repository),
-            repair="copy the mesh itself from the repository that has it"
-            if is_copied
-            else f"run `git lfs install`, then `git lfs pull`, in {where}",
+            repair=_describe_repair(repository, tracked),
         )
+
+
+def _describe_repair(repository: Path | None, tracked: str) -> str:
+    if tracked == "copy":
+        return "copy the mesh itself from the repository that has it"
+    where = "a clone of the repository" if repository is None else format_path(repository)
+    pull = f"run `git lfs install`, then `git lfs pull`, in {where}"
+    return (
+        f"{pull}; if they stay pointers, copy the meshes from the repository that has them"
+        if tracked == _DOUBTFUL
+        else pull
+    )
 
 
 def _read_pointer_size(path: Path) -> int | None:
@@ -68,16 +81,31 @@ def _read_pointer_size(path: Path) -> int | None:
     return int(size[1]) if size else 0
 
 
-def _is_tracked(path: Path, repository: Path) -> bool:
-    """Whether a ``.gitattributes`` between a file and the root of its clone mentions LFS, or cannot be read."""
+def _find_tracking(path: Path, repository: Path) -> str:
+    """Return whether git fetches a file from LFS: ``clone`` if the ``.gitattributes`` at the root of its clone names it.
+
+    ``copy`` if none in the clone mentions LFS, else `_DOUBTFUL`. One that cannot be read may say so.
+    """
     folders = (repository, *(folder for folder in path.parents if repository in folder.parents))
-    for attributes in (folder / ".gitattributes" for folder in folders):
-        try:
-            if attributes.exists() and _TRACKED in read_start(attributes, _MAX_ATTRIBUTE_BYTES):
-                return True
-        except OSError:
-            return True
-    return False
+    tracked = {folder: patterns for folder in folders if (patterns := _list_tracked_patterns(folder)) != []}
+    if not tracked:
+        return "copy"
+    patterns = tracked.get(repository, [])
+    # A name in quotes or a macro may mean any.
+    is_named = patterns is None or any(pattern[0] in '"[' for pattern in patterns)
+    is_named = is_named or match_any_pattern(patterns or [], split_relative_path(path, repository))
+    return "clone" if is_named else _DOUBTFUL
+
+
+def _list_tracked_patterns(folder: Path) -> list[str] | None:
+    """Return what the ``.gitattributes`` of a folder names as files of LFS; None if it cannot be read."""
+    attributes = folder / ".gitattributes"
+    try:
+        text = read_start(attributes, _MAX_ATTRIBUTE_BYTES) if attributes.exists() else b""
+    except OSError:
+        return None
+    lines = [line.split() for line in text.decode("utf-8", "replace").splitlines() if _TRACKED in line]
+    return [words[0] for words in lines if not words[0].startswith("#")]
 
 
 def _find_repository(path: Path) -> Path | None:

@@ -75,4 +75,11 @@ def _describe_repair(model: Model, uses: Sequence[MeshUse]) -> str:
         return "write paths relative to the file that MuJoCo reads, without package://"
     folder = os.path.relpath(folders.pop(), model.source.path.parent).replace(os.sep, "/")
     where = "" if not model.source.is_xacro else ", for an expanded file beside the xacro"
-    return f'add <mujoco><compiler meshdir="{folder}" strippath="true"/></mujoco> to the robot{where}'
+    options = f'meshdir="{folder}" strippath="true"'
+    # MuJoCo refuses a robot with two of these elements (checked with 4.0).
+    sections = model.robot.find_children("mujoco")
+    if not sections:
+        return f"add <mujoco><compiler {options}/></mujoco> to the robot{where}"
+    if not any(section.find_children("compiler") for section in sections):
+        return f"add <compiler {options}/> to the <mujoco> of the robot{where}"
+    return f"write {options} in the <compiler> of its <mujoco>{where}"

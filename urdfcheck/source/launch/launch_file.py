@@ -71,6 +71,15 @@ class BrokenInclude:
     """The include's file attribute."""
     unresolved: UnresolvedReason
     """``kind`` is file | argument | circle; of a circle, ``name`` is the file that is included again."""
+    handed: str = ""
+    """The argument of the included file that an unknown one of this file is passed on as; empty where the path names it."""
+    file: Path | None = None
+    """The included file, if it was found."""
+
+    @property
+    def passed_names(self) -> list[str]:
+        """The arguments that the include passes, whatever the conditions are."""
+        return [element.get("name") for element in self.at.owner.children if element.tag in {"arg", "let"}]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -266,7 +275,7 @@ class _IncludeReader:
             path = self._resolve_file(element, resolver)
             if path is None:
                 continue
-            passed = self._collect_passed_arguments(element, resolver)
+            passed = self._collect_passed_arguments(element, resolver, path)
             key = (os.path.realpath(path), frozenset(passed.items()))
             if key in around and resolver.has_known_conditions(element):
                 self._add_broken(element, UnresolvedReason("circle", format_path(path)))
@@ -304,8 +313,10 @@ class _IncludeReader:
             return None
         return path
 
-    def _add_broken(self, include: Element, unresolved: UnresolvedReason) -> None:
-        self.broken.append(BrokenInclude(include.attributes["file"], unresolved))
+    def _add_broken(
+        self, include: Element, unresolved: UnresolvedReason, *, handed: str = "", file: Path | None = None
+    ) -> None:
+        self.broken.append(BrokenInclude(include.attributes["file"], unresolved, handed, file))
 
     def _parse(self, path: Path, include: Element) -> Element | None:
         try:
@@ -329,7 +340,9 @@ class _IncludeReader:
             self._missing[path] = package is not None and not is_built
         return self._missing.get(path, False)
 
-    def _collect_passed_arguments(self, include: Element, resolver: SubstitutionResolver) -> dict[str, Value]:
+    def _collect_passed_arguments(
+        self, include: Element, resolver: SubstitutionResolver, file: Path
+    ) -> dict[str, Value]:
         """Return the arguments that an included file gets."""
         passes_all = self.is_ros2 or include.get("pass_all_args") in {"true", "1"}
         names = {*resolver.values, *resolver.known} if passes_all else set()
@@ -346,7 +359,7 @@ class _IncludeReader:
                     and not self.is_ros2
                     and resolver.has_known_conditions(element)
                 ):
-                    self._add_broken(include, unresolved)
+                    self._add_broken(include, unresolved, handed=element.get("name"), file=file)
         return passed
 
 

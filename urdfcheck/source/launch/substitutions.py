@@ -246,6 +246,11 @@ def _convert_argument(text: str | None) -> str | int | float | bool:
         return text.lower() == "true" if text.lower() in {"true", "false"} else text
 
 
+def split_substitutions(text: str) -> list[str]:
+    """Return what is typed of a text around its substitutions."""
+    return re.split(r"\$\([^()]*\)", text)
+
+
 def split_command(text: str) -> tuple[str, ...]:
     """Return the words of a command line; a substitution is part of one word."""
     # $(find pkg) contains a blank: each substitution stays together while the shell's quotes are parsed.

@@ -137,9 +137,18 @@ def iter_started_packages(package: Package) -> Iterator[PackageMention]:
 
 def mentions_package(package: Package, name: str) -> bool:
     """Whether a file of a package names another package."""
+    return any(mention.package == name for mention in _iter_own_mentions(package))
+
+
+def list_mentioned_packages(package: Package) -> set[str]:
+    """Return the packages that the files of a package name, and do not only try."""
+    return {mention.package for mention in _iter_own_mentions(package) if not mention.optional}
+
+
+def _iter_own_mentions(package: Package) -> Iterator[PackageMention]:
     files = islice(iter_package_files(package, package.path), _MOST_FILES)
     naming = (p for p in files if p.suffix.lower() in _NAMING_SUFFIXES and p.name not in {"package.xml", "setup.py"})
-    return any(mention.package == name for path in naming for mention in _list_mentions(path))
+    return (mention for path in naming for mention in _list_mentions(path))
 
 
 def iter_package_mentions(package: Package) -> Iterator[PackageMention]:

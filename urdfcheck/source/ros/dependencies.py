@@ -70,6 +70,23 @@ def find_dependent(package: Package, name: str, finder: PackageFinder) -> str | 
     return found or next((one for one in sorted(package.dependencies) if name in _collect_brought([one])), None)
 
 
+def needs(name: str, owner: Package, finder: PackageFinder | None) -> bool:
+    """Whether another package depends on this one, so that this one cannot declare it: build tools refuse a cycle."""
+    return owner.name in collect_dependencies(finder, [name])
+
+
+def describe_declaration(owner: Package | None, name: str, finder: PackageFinder, *, shown: str = "") -> str:
+    """Return the end of a repair after which a package uses another: that its manifest must declare that one, or cannot.
+
+    Empty where it does already, and where there is no manifest. ``shown``: what the repair calls the other package.
+    """
+    if owner is None or name == owner.name or find_dependent(owner, name, finder) is not None:
+        return ""
+    if needs(name, owner, finder):
+        return f" ({name} depends on {owner.name}, so package.xml cannot declare it)"
+    return f", and declare {shown or name} in package.xml"
+
+
 def find_dependent_in_project(name: str, finder: PackageFinder) -> str | None:
     """Return a package of the project whose manifest depends on another, for a file that is in no package."""
     packages = finder.list_workspace_packages()
