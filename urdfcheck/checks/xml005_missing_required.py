@@ -69,13 +69,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Finding]:
     missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.find_child(tag) is None]
     if missing and not _is_left_to_call(model, element, missing):
-        listed = " and no ".join(f"<{tag}>" for tag in missing)
+        tags = [f"<{tag}>" for tag in missing]
         yield rule.finding(
             "child",
             at=element,
             consequences=_describe_consequences(element, *missing),
             tag=element.tag,
-            missing=listed,
+            missing=" and no ".join(tags),
+            added=" and ".join(tags),
             owner=_describe_owner(element),
         )
 
