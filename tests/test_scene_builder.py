@@ -134,6 +134,26 @@ def test_the_meshes_of_the_page_are_those_of_the_files(car):
     assert np.ptp(points, axis=0) == pytest.approx(file.extents, rel=1e-5)
 
 
+def test_a_mesh_that_is_another_one_moved_and_scaled_is_drawn_where_it_is(tmp_path):
+    box = trimesh.creation.box((0.1, 0.2, 0.3))
+    box.export(tmp_path / "near.stl")
+    box.apply_scale(2.0).apply_translation((0.0, 0.0, 5.0)).export(tmp_path / "far.stl")
+    shapes = "".join(
+        f'<visual><geometry><mesh filename="{name}.stl"/></geometry></visual>' for name in ("near", "far", "near")
+    )
+    data, geometry = data_of(
+        check_text(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', scene=True)
+    )
+    (link,) = data["models"][0]["links"]
+    near, far, again = (data["meshes"][shape["mesh"]] for shape in link["visual"])
+    assert near is again
+    assert (near["low"], near["high"]) == ([-0.05, -0.1, -0.15], [0.05, 0.1, 0.15])
+    assert far["low"] == pytest.approx([-0.1, -0.2, 4.7])
+    assert far["high"] == pytest.approx([0.1, 0.2, 5.3])
+    # The same numbers on two grids: they are in the page once.
+    assert near["offset"] == far["offset"]
+
+
 def test_the_repair_of_the_odd_wheel_is_shown_where_it_puts_the_frame(car):
     (model,) = data_of(car)[0]["models"]
     (finding,) = (f for f in model["findings"] if f["code"] == "SYM001")

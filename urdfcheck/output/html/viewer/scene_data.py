@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from urdfcheck.core import Finding
@@ -45,21 +46,27 @@ def get_layers(code: str) -> tuple[str, ...]:
 
 
 class MeshPool:
-    """The drawings that the models share, each content once: a description of each, and the bytes."""
+    """The drawings that the models share, each once: a description of each, and the bytes.
+
+    The bytes are corners on a grid: those of a ball are the same wherever it is, and however large. Only with the bounds of the
+    grid are they a drawing.
+    """
 
     def __init__(self) -> None:
         self.entries: list[dict[str, Any]] = []
         self.data: list[bytes] = []
-        self._places: dict[bytes, int] = {}
-        self._offset = 0
+        self._places: dict[SceneDrawing, int] = {}
+        self._offsets: dict[bytes, int] = {}
+        self._end = 0
 
     def add_drawing(self, drawing: SceneDrawing) -> int:
-        """Add a drawing unless its content is known, and return its index."""
-        if drawing.data not in self._places:
-            self._places[drawing.data] = len(self.entries)
+        """Add a drawing unless one is known that differs in its colour alone, and return its index."""
+        content = replace(drawing, color=None)
+        if content not in self._places:
+            self._places[content] = len(self.entries)
             self.entries.append(
                 {
-                    "offset": self._offset,
+                    "offset": self._add_bytes(drawing.data),
                     "vertices": drawing.vertices,
                     "faces": drawing.faces,
                     "low": round_values(drawing.low),
@@ -68,9 +75,15 @@ class MeshPool:
                     "holes": drawing.holes,
                 }
             )
-            self.data.append(drawing.data)
-            self._offset += len(drawing.data)
-        return self._places[drawing.data]
+        return self._places[content]
+
+    def _add_bytes(self, data: bytes) -> int:
+        """Add bytes unless they are known, and return where they begin."""
+        if data not in self._offsets:
+            self._offsets[data] = self._end
+            self.data.append(data)
+            self._end += len(data)
+        return self._offsets[data]
 
 
 def build_model(
