@@ -140,7 +140,7 @@ def test_all_safe_fixes_are_computed_when_they_are_chosen(editor: Editor, path: 
 def test_a_finding_is_suppressed_once_it_has_a_reason(editor: Editor, path: Path) -> None:
     (action,) = [action for action in ask(editor, path, "KIN002") if action.title.startswith("Suppress")]
     apply(editor, action.edit)
-    assert '<!-- urdfcheck: ignore[KIN002]  --> <parent link="bsae"/>' in editor.texts[path]
+    assert '<!-- urdfcheck:ignore[KIN002]  --> <parent link="bsae"/>' in editor.texts[path]
     assert {"KIN002", "URC903"} <= set(editor.codes(path)), "without a reason it has no effect"
     editor.type(path, editor.texts[path].replace("[KIN002]  -->", "[KIN002] the base comes later -->"))
     assert not {"KIN002", "URC903"} & set(editor.codes(path))

@@ -136,7 +136,7 @@ def _iter_suppressions(
     positions = TextPositions(document.text, documents.encoding)
     offset = positions.find_offset(found.range.start)
     newline = "\r\n" if "\r\n" in document.text else "\n"
-    mark = f"{MARK} ignore[{finding.code}] "
+    mark = f"{MARK}ignore[{finding.code}] "
     if document.path.endswith(_HASH_SUFFIXES):
         place = _find_line_start(document.text, offset)
         rest = document.text[place:]

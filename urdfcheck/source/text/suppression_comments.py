@@ -1,4 +1,4 @@
-"""Comments that suppress findings of the next element: ``<!-- urdfcheck: ignore[INR003] reason -->``.
+"""Comments that suppress findings of the next element: ``<!-- urdfcheck:ignore[INR003] reason -->``.
 
 xacro deletes comments before a macro, so they are read from the text as typed. In yaml, Python and CMake files such a
 comment begins with ``#`` and covers its own line, or the next line if it is alone on its own.
