@@ -141,9 +141,7 @@ def test_a_mesh_that_is_another_one_moved_and_scaled_is_drawn_where_it_is(tmp_pa
     shapes = "".join(
         f'<visual><geometry><mesh filename="{name}.stl"/></geometry></visual>' for name in ("near", "far", "near")
     )
-    data, geometry = data_of(
-        check_text(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', scene=True)
-    )
+    data, _ = data_of(check_text(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', scene=True))
     (link,) = data["models"][0]["links"]
     near, far, again = (data["meshes"][shape["mesh"]] for shape in link["visual"])
     assert near is again

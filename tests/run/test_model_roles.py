@@ -74,6 +74,14 @@ def test_a_library_of_macros_is_no_error_however_it_is_given(package: Path, name
     assert list_unchecked(check(Path("wheels.urdf.xacro"))) == ["wheels.urdf.xacro"]
 
 
+def test_a_file_of_arguments_with_a_root_of_its_own_is_no_error_however_it_is_given(package: Path) -> None:
+    """A xacro may include it by a name that is computed; xacro ignores the root of what it includes."""
+    settings = '<tool xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="tcp" default="0 0 0.1"/></tool>'
+    write(package, {"config/pg70_tool.xacro": settings, "arm.urdf.xacro": xacro('<link name="base"/>')})
+    for run in (check(Path("config/pg70_tool.xacro")), check(Path("arm.urdf.xacro"), Path("config/pg70_tool.xacro"))):
+        assert list_errors(run) == []
+
+
 @pytest.mark.parametrize(("child", "is_model"), [("front_bumpr_mount", True), ("camera_mount", False)])
 def test_a_robot_that_misspells_one_of_its_links_is_no_part(package: Path, child: str, is_model: bool) -> None:
     """A file that another one includes is a robot by itself, too, if all that it names is its own but for one letter."""

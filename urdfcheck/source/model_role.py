@@ -173,10 +173,15 @@ def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) 
     """Return what a file is whose root is not ``<robot>``: xacro ignores the root of what it includes."""
     if not source.is_xacro or root.tag in FORMATS_BY_ROOT:
         return MODEL
-    if defines_macros(source.main_tree) and not root.children:
+    if not root.children and source.main_tree is not None and _only_defines(source.main_tree):
         return LIBRARY
     tag = truncate_text(root.tag, _LONGEST_NAME)
     return ModelRole("part", f"its root is <{tag}>, not <robot>") if is_part else MODEL
+
+
+def _only_defines(tree: Element) -> bool:
+    """Whether all that a file holds is of xacro: a file that makes nothing gives others its macros, properties or arguments."""
+    return bool(tree.children) and all(child.tag.startswith("xacro:") for child in tree.children)
 
 
 def _explain_incompleteness(root: Element, elsewhere: str) -> str:
