@@ -25,6 +25,7 @@ from hypothesis import settings
 
 from urdfcheck import cli
 from urdfcheck.core import Run
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.policy.policy import Policy
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.jobs import AuditOptions, PackageFolders, Request
@@ -76,7 +77,11 @@ def make_request(*paths: Path, codes: Iterable[str] | None = None, **settings: A
 
 def check(*paths: Path, codes: set[str] | None = None, **settings: object) -> Run:
     """Check paths in this process, with all rules or the given codes; see `make_request`."""
-    return run(make_request(*paths, codes=codes, **settings), IN_THIS_PROCESS)
+    checked = run(make_request(*paths, codes=codes, **settings), IN_THIS_PROCESS)
+    for finding in iter_occurrences(checked.findings):
+        # Words that refer to the edits need some.
+        assert finding.fix is None or finding.fix.edits or "the computed numbers" not in finding.fix.title, finding
+    return checked
 
 
 def list_machine_paths(run_: Run, folder: Path) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Container, Iterator, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -460,7 +461,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
         after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
         better=describe_median_agreement(model, links),
-        edit="" if repairs[0] is None else repairs[0].words,
+        edit="" if repairs[0] is None else _spell_repair(repairs[0], has_edits=bool(edits)),
         unseen=f". {format_count(unseen, *_UNSEEN)} not show it"
         if unseen
         else f". {format_count(others, *_MISFITS)} either"
@@ -558,13 +559,18 @@ def _build_cause_finding(
         ],
         severity=Severity.ERROR if vast else Severity.INFO if mild else None,
         effect=_ABSORBED if is_absorbed else _SLIGHT,
-        edit=fallback if mended is None else mended.words,
+        edit=fallback if mended is None else _spell_repair(mended, has_edits=not without_edits),
         like="" if drawn_twin is None else drawn_twin.name,
         repair=_describe_repair(model, link, judged, mended, message=message),
         condition="" if mended is None or mended.edits else f", if the numbers of {join_names(judged.twins)} are right",
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         **data,
     )
+
+
+def _spell_repair(repair: InertialRepair, *, has_edits: bool) -> str:
+    """Return what to write: all numbers, where the finding has no edits that show them."""
+    return (repair if has_edits else replace(repair, edits=())).words
 
 
 def _is_meant_hollow(link: Link, judged: DiagnosedInertial) -> bool:
