@@ -132,11 +132,7 @@ def test_the_last_line_counts() -> None:
 
 
 def test_the_last_line_counts_notes_that_nobody_asked_for() -> None:
-    note = finding(severity=Severity.INFO, code="COL002")
-    shared = replace(
-        a_run(), findings=(), unrequested=(note, replace(note, model="other"), replace(note, code="MSH013"))
-    )
-    line = render(shared, detail=DetailLevel.BRIEF).splitlines()[-1]
+    line = render(replace(a_run(), findings=(), more_notes=2), detail=DetailLevel.BRIEF).splitlines()[-1]
     assert line == "✔ no errors, no warnings (2 notes: -v) · 1 model · 0.2 s"
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -202,6 +203,16 @@ def test_what_takes_long_is_not_looked_for_where_nobody_asks(tmp_path: Path) -> 
     assert list_neighbours(tmp_path, "--target", "gazebo") == []  # adjacent links do not collide there
     (tmp_path / "urdfcheck.toml").write_text('severity = { COL002 = "warning" }')
     assert list_neighbours(tmp_path) == [None]
+
+
+def test_notes_are_counted_as_they_are_listed(tmp_path: Path) -> None:
+    """Those of one kind are one, and what is not looked for is not counted."""
+    (tmp_path / "r.urdf").write_text(
+        robot(link("base"), *(link(n) for n in "abc"), *(joint(f"to_{n}", "base", n, kind="continuous") for n in "abc"))
+    )
+    counts = [command("r.urdf", *options, cwd=tmp_path).stdout.splitlines()[-1] for options in ((), ("-v",))]
+    before, after = (int(found[1]) if (found := re.search(r"(\d+)\+? notes?", line)) else 0 for line in counts)
+    assert before == after > 1
 
 
 def test_the_cache_of_a_run_without_a_rule_does_not_hide_it(tmp_path: Path) -> None:

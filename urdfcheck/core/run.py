@@ -117,6 +117,8 @@ class Run:
     """Codes of the rules that the command line or the configuration names."""
     unrequested: tuple[Finding, ...] = ()
     """Notes that nobody asked for: no output lists them, but they tell what programs do with a model too."""
+    more_notes: int = 0
+    """By how many notes the report grows that lists the ``unrequested`` ones."""
     postponed: frozenset[str] = frozenset()
     """Codes of rules that did not run, because they have only notes on request."""
     scenes: tuple[Scene, ...] = ()

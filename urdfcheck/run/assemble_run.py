@@ -17,6 +17,7 @@ from urdfcheck.policy.suppression import report_bad_comments
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.findings import finalize_run_findings
 from urdfcheck.run.jobs import Request, Unit, UnitReport
+from urdfcheck.run.shared_findings import count_more_notes
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.plan import Plan
 from urdfcheck.system import libraries
@@ -59,11 +60,13 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
             yield from _report_outdated(known, view, names)
 
     findings, notes = finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review)
+    unrequested = (*(finding for report in reports for finding in report.unrequested), *notes)
     return Run(
         models=models,
         findings=findings,
         requested=request.policy.codes - request.policy.unrequested,
-        unrequested=(*(finding for report in reports for finding in report.unrequested), *notes),
+        unrequested=unrequested,
+        more_notes=count_more_notes(findings, unrequested, units),
         postponed=_list_postponed(request, audited_units),
         skipped=skipped,
         rules=_select_rules(request, units, findings),

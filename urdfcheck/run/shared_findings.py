@@ -12,7 +12,8 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from urdfcheck.core import Applicability, Finding, Fix, Location, Span, Verdict
+from urdfcheck.core import Applicability, Finding, Fix, Location, Severity, Span, Verdict
+from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.merging import merge_alike
 from urdfcheck.policy.fix_safety import ElementCounts
 from urdfcheck.rules import load_rules
@@ -202,6 +203,14 @@ def merge_kinds(findings: Iterable[Finding], units: Iterable[Unit] = ()) -> list
         )
 
     return merge_alike(findings, load_rules(), get_kind)
+
+
+def count_more_notes(findings: Iterable[Finding], unrequested: Iterable[Finding], units: Iterable[Unit]) -> int:
+    """Count by how many notes a report grows that lists those which were not asked for: one of each kind in a file."""
+    units = list(units)
+    shown = [f for f in findings if f.severity is Severity.INFO and f.suppressed is None]
+    alike = merge_kinds([*iter_occurrences(shown), *merge_across_models(unrequested, units)], units)
+    return max(len(alike) - len(shown), 0)
 
 
 # -- variants of one file ----------------------------------------------------------------------------------------------

@@ -138,12 +138,8 @@ def format_summary(run: Run, *, is_full: bool = False) -> Text:
 
 
 def _describe_notes(run: Run) -> str:
-    """Return ``12 notes``, those on request included; ``12+ notes`` where more were not looked for; empty without any.
-
-    Of several models, those at one place count once.
-    """
-    unrequested = {(f.code, f.message_id, f.location.span or f.model) for f in run.unrequested}
-    count = run.count_findings(Severity.INFO) + len(unrequested)
+    """Return ``12 notes``, those on request included; ``12+ notes`` where more were not looked for; empty without any."""
+    count = run.count_findings(Severity.INFO) + run.more_notes
     if run.postponed:
         return f"{count}+ notes" if count else "notes"
     return format_count(count, "note") if count else ""
