@@ -229,6 +229,14 @@ def test_what_was_skipped_for_some_models_names_them() -> None:
     assert f"skipped COL001, MSH002: no meshes here ({MODEL})\n" in render(two)
 
 
+def test_a_file_that_was_not_checked_at_all_is_told_by_its_name() -> None:
+    part = SkippedCheck("ALL", "part.xacro", "is not checked: no model is made of it")
+    quiet = SkippedCheck(SkippedCheck.WARNINGS, "old.urdf", "it is kept aside", is_partial=True)
+    lines = render(replace(a_run(), skipped=(part, quiet))).splitlines()
+    assert "not checked (part.xacro): no model is made of it" in lines
+    assert "warnings not listed (old.urdf): it is kept aside" in lines
+
+
 def test_in_brief_what_matters_stands_below_the_infos_of_its_model() -> None:
     first = finding(severity=Severity.INFO, code="AAA001")
     text = render(a_run(first, finding(code="ZZZ001")), detail=DetailLevel.BRIEF)

@@ -67,7 +67,7 @@ class FinalFindings:
 
 
 # What a report says of models that are data of tests, or are kept and not used.
-_FOR_TESTS = "of test data and of files kept aside only errors are reported; name the file to have all"
+_FOR_TESTS = "of test data and of files kept aside only errors are reported; name the file to see all"
 
 
 def finalize_unit_findings(

@@ -58,8 +58,16 @@ def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
         checked = len(run.models) - len(unchecked)
         applies_to_all = "" in models or (len(models) >= checked and codes.isdisjoint(SkippedCheck.NO_RULES))
         where = "" if applies_to_all else f" ({join_names(sorted(models), 3)})"
-        line = f"skipped {join_names(sorted(codes), MAX_CODES)}: {escape_invisible(reason + where)}"
-        yield from wrap_text(Text(line, "dim"), width)
+        yield from wrap_text(Text(escape_invisible(_describe_skip(codes, reason, where)), "dim"), width)
+
+
+def _describe_skip(codes: Collection[str], reason: str, where: str) -> str:
+    """Say what was not checked, or not listed, and why. ``where``: the models in brackets after a blank, or nothing."""
+    if codes == {"ALL"}:
+        return f"not checked{where}: {reason.removeprefix('is not checked: ')}"
+    if codes == {SkippedCheck.WARNINGS}:
+        return f"warnings not listed{where}: {reason}"
+    return f"skipped {join_names(sorted(codes), MAX_CODES)}: {reason}{where}"
 
 
 def _is_missed(run: Run, skip: SkippedCheck, reported: Collection[str]) -> bool:

@@ -104,9 +104,12 @@ def _iter_report(run: Run, *, width: int, detail: DetailLevel, fail_on: str) -> 
                 yield Text(format_concise(run, finding))
     else:
         yield from _iter_models(run, width=width, is_full=detail is DetailLevel.FULL, fail_on=fail_on)
-        yield from iter_found_arguments(run, width)
-        yield from iter_skipped(run, width, is_full=detail is DetailLevel.FULL)
-        yield from iter_recap(run, width)
+        notes = [*iter_found_arguments(run, width), *iter_skipped(run, width, is_full=detail is DetailLevel.FULL)]
+        recap = [*iter_recap(run, width)]
+        yield from notes
+        if notes and (recap or run.unchecked_models):
+            yield Text()  # before a heading
+        yield from recap
         for sentence in describe_answers(run):
             yield from wrap_text(Text(escape_invisible(sentence), "dim"), width)
     yield from _iter_failures(run, width)
