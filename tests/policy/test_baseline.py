@@ -57,6 +57,31 @@ def test_what_is_known_counts_no_more_and_what_is_new_does(folder: Path, capsys:
     assert "1 in the baseline" in shown
 
 
+FLAT = """<robot name="r"><link name="base"/><link name="arm"><inertial><mass value="1"/>
+<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="{izz}"/></inertial></link>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_what_has_become_much_worse_is_reported_again(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    robot, known = folder / "urdf/r.urdf", folder / "urdfcheck-baseline.json"
+    robot.write_text(FLAT.format(izz="0.03"))
+    assert main(["baseline", "write"]) == OK
+    (row,) = [row for row in json.loads(known.read_text())["models"]["urdf/r.urdf"] if row["code"] == "INR003"]
+    assert row["excess"] == pytest.approx(1 / 3, abs=1e-3)
+    for izz, is_worse in (("0.031", False), ("0.09", True), ("0.025", False)):
+        robot.write_text(FLAT.format(izz=izz))
+        capsys.readouterr()
+        assert main([".", "-v", "--select", "INR003"]) == (FINDINGS if is_worse else OK), izz
+        shown = " ".join(capsys.readouterr().out.split())
+        assert ("become worse since the baseline accepted it" in shown) is is_worse
+    # A file that was written without the numbers accepts whatever comes.
+    known.write_text(known.read_text().replace('"excess"', '"note"'))
+    robot.write_text(FLAT.format(izz="0.09"))
+    assert main([".", "--select", "INR003"]) == OK
+    known.write_text(known.read_text().replace('"note": ', '"excess": "much", "note": '))
+    assert main([".", "--select", "INR003"]) != OK
+
+
 def test_it_survives_moved_lines_and_other_folders(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (folder / "urdf/r.urdf").write_text(ROBOT.replace("<link", "\n\n<!-- moved --> <link"))
     assert main(["."]) == OK
@@ -211,10 +236,10 @@ def test_it_knows_each_finding_as_often_as_it_was_there(folder: Path) -> None:
     """Two findings of one subject and message are two: one more of them is new."""
     known = {("XML003", "robot/a", "unknown"): 1}
     again = baseline.Baseline(path=folder / "b.json", root=folder, models={"m": known})
-    text = baseline.render_baseline(again.models)
+    text = baseline.render_baseline(again.models, {})
     (folder / "b.json").write_text(text)
     assert baseline.read_baseline(folder / "b.json", folder).models == {"m": known}
-    (folder / "b.json").write_text(baseline.render_baseline({"m": {("XML003", "robot/a", "unknown"): 2}}))
+    (folder / "b.json").write_text(baseline.render_baseline({"m": {("XML003", "robot/a", "unknown"): 2}}, {}))
     assert baseline.read_baseline(folder / "b.json", folder).size == 2
 
 
@@ -284,7 +309,7 @@ def test_a_file_outside_is_not_looked_for(folder: Path) -> None:
 
 def test_each_stale_entry_is_told_at_its_line(folder: Path) -> None:
     keys = [("INR003", f"link[{name}]", "violated") for name in ("\u2028", "b")]
-    text = baseline.render_baseline({f"{n}.urdf": dict.fromkeys(keys, 1) for n in (1, 2)})
+    text = baseline.render_baseline({f"{n}.urdf": dict.fromkeys(keys, 1) for n in (1, 2)}, {})
     file = folder / "urdfcheck-baseline.json"
     file.write_bytes(text.encode())
     known = baseline.read_baseline(file, folder)

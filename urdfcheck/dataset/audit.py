@@ -219,8 +219,9 @@ def _describe_settings(request: Request, settings: AuditSettings) -> dict[str, A
 
 def _compute_unit_key(unit: Unit) -> str:
     # `fail_on` changes nothing of what is found; what is known has keys that JSON has not.
-    facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, baseline_entries={})) | {
-        "known": sorted(unit.baseline_entries.items())
+    facts: Mapping[str, Any] = asdict(replace(unit, fail_on=None, baseline_entries={}, baseline_excesses={})) | {
+        "known": sorted(unit.baseline_entries.items()),
+        "how bad": sorted(unit.baseline_excesses.items()),
     }
     return hashlib.sha256(json.dumps(facts, sort_keys=True, default=_sort_for_json).encode()).hexdigest()[:32]
 

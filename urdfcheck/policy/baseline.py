@@ -1,13 +1,15 @@
 """The baseline: a file of accepted findings, so that a team sees only new ones.
 
 An entry is what the fingerprint of a finding is made of: the model's id, the code, the subject and the message id. Neither a
-moved line nor another working directory changes it. A line for each entry, in a fixed order: the file is reviewed, and merged.
+moved line nor another working directory changes it. Where the rule measures how bad a finding is, the entry has the number: what
+has become much worse is reported again. A line for each entry, in a fixed order: the file is reviewed, and merged.
 """
 
 from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import re
 from collections import Counter
@@ -32,6 +34,8 @@ STALE_BASELINE = "URC904"
 MAX_FILE_SIZE = 64 * 1024**2
 # Bound of an entry's count: more than the largest model has elements.
 MAX_COUNT = 10**6
+# Digits of an excess in the file.
+_DIGITS = 4
 
 EntryKey = tuple[str, str, str]
 _ARGUMENTS = re.compile(r" [^\s=:]+:=.*", re.DOTALL)
@@ -48,26 +52,44 @@ class Baseline:
     """Content of the file."""
     models: Mapping[str, Mapping[EntryKey, int]] = field(default_factory=dict)
     """Model id → (code, subject, message id) → how often it is accepted."""
-    launched: Mapping[str, Mapping[EntryKey, int]] = field(init=False, compare=False)
-    """File → what is accepted of it with any arguments."""
+    excesses: Mapping[str, Mapping[EntryKey, float]] = field(default_factory=dict)
+    """Model id → how bad what is accepted of it is at most, where a rule measures it: see `Finding.excess`."""
+    launched: Mapping[str, tuple[str, ...]] = field(init=False, compare=False)
+    """File → the models that it makes with arguments."""
 
     def __post_init__(self) -> None:
-        launched: dict[str, Counter[EntryKey]] = {}
-        for model, entries in self.models.items():
+        launched: dict[str, tuple[str, ...]] = {}
+        for model in self.models:
             if (file := _ARGUMENTS.sub("", model)) != model:
-                launched[file] = launched.get(file, Counter()) | Counter(entries)
+                launched[file] = (*launched.get(file, ()), model)
         object.__setattr__(self, "launched", launched)
 
     def get_entries(self, model: str) -> Mapping[EntryKey, int]:
-        """Return the entries of a model.
+        """Return the entries of a model: how often each is accepted.
 
         A file is checked with the arguments of its launch file where that is seen, and without any where a hook names it
         alone: the entries of the one hold for the other, unless it has its own.
         """
+        entries: Counter[EntryKey] = Counter()
+        for name in self._list_names(model):
+            entries |= Counter(self.models[name])
+        return entries
+
+    def get_excesses(self, model: str) -> Mapping[EntryKey, float]:
+        """Return how bad the accepted findings of a model are at most, where that is known."""
+        excesses: dict[EntryKey, float] = {}
+        for name in self._list_names(model):
+            _raise_excesses(excesses, self.excesses.get(name, {}).items())
+        return excesses
+
+    def _list_names(self, model: str) -> tuple[str, ...]:
+        """Return the models whose entries hold for a model."""
         if model in self.models:
-            return self.models[model]
+            return (model,)
         file = _ARGUMENTS.sub("", model)
-        return self.models.get(file, {}) if file != model else self.launched.get(file, {})
+        if file == model:
+            return self.launched.get(file, ())
+        return (file,) if file in self.models else ()
 
     @property
     def size(self) -> int:
@@ -99,6 +121,7 @@ def read_baseline(path: Path, root: Path) -> Baseline:
             root=root,
             text=text,
             models={model: _parse_entries(rows) for model, rows in found["models"].items()},
+            excesses={model: _parse_excesses(rows) for model, rows in found["models"].items()},
         )
     except (AttributeError, KeyError, TypeError, ValueError):
         raise UrdfcheckError(f"{name}: not a baseline: write it again with urdfcheck baseline write") from None
@@ -126,13 +149,34 @@ def _parse_entries(rows: Any) -> Counter[EntryKey]:
     return entries
 
 
-def render_baseline(models: Mapping[str, Mapping[EntryKey, int]]) -> str:
-    """Render a baseline file."""
+def _parse_excesses(rows: Any) -> dict[EntryKey, float]:
+    excesses: dict[EntryKey, float] = {}
+    for row in rows:
+        excess = row.get("excess")
+        if excess is None:
+            continue
+        if isinstance(excess, bool) or not isinstance(excess, (int, float)) or not math.isfinite(excess):
+            raise ValueError(row)
+        _raise_excesses(excesses, [((row["code"], row["subject"], row["message"]), excess)])
+    return excesses
+
+
+def _raise_excesses(excesses: dict[EntryKey, float], more: Iterable[tuple[EntryKey, float]]) -> None:
+    for key, excess in more:
+        excesses[key] = max(excess, excesses.get(key, -math.inf))
+
+
+def render_baseline(
+    models: Mapping[str, Mapping[EntryKey, int]], excesses: Mapping[str, Mapping[EntryKey, float]]
+) -> str:
+    """Render a baseline file. ``excesses``: of the entries, and possibly of others."""
     blocks = []
     for model, entries in sorted(models.items()):
         rows = []
-        for (code, subject, message), count in sorted(entries.items()):
-            row: dict[str, Any] = {"code": code, "subject": subject, "message": message}
+        for key, count in sorted(entries.items()):
+            row: dict[str, Any] = dict(zip(("code", "subject", "message"), key, strict=True))
+            excess = excesses.get(model, {}).get(key)
+            row |= {} if excess is None else {"excess": float(f"{excess:.{_DIGITS}g}")}
             rows.append("      " + json.dumps(row | ({"count": count} if count > 1 else {}), ensure_ascii=False))
         if rows:
             blocks.append(f"    {json.dumps(model, ensure_ascii=False)}: [\n" + ",\n".join(rows) + "\n    ]")
@@ -150,6 +194,17 @@ def collect_entries(findings: Iterable[Finding]) -> dict[str, Counter[EntryKey]]
             for subject in subjects:
                 message = finding.message_ids.get(subject, finding.message_id)
                 models.setdefault(model, Counter())[finding.code, subject, message] += 1
+    return models
+
+
+def collect_excesses(findings: Iterable[Finding]) -> dict[str, dict[EntryKey, float]]:
+    """Return how bad what these findings are about is at most, by model and entry, where their rules measure it."""
+    models: dict[str, dict[EntryKey, float]] = {}
+    for finding in iter_occurrences(findings):
+        if not math.isfinite(finding.excess):
+            continue
+        for model, entries in collect_entries([finding]).items():
+            _raise_excesses(models.setdefault(model, {}), ((key, finding.excess) for key in entries))
     return models
 
 
@@ -280,3 +335,9 @@ def renew_entries(baseline: Baseline, view: BaselineView) -> dict[str, Counter[E
     """Return the entries after a run: those of its findings, and the old ones of what it did not check, if the file exists."""
     left, there = remove_stale_entries(baseline, find_stale_entries(baseline, view)), collect_entries(view.findings)
     return {model: left.get(model, Counter()) | there.get(model, Counter()) for model in {**left, **there}}
+
+
+def renew_excesses(baseline: Baseline, view: BaselineView) -> dict[str, dict[EntryKey, float]]:
+    """Return how bad the entries after a run are: as it found them, and as they were where it did not check them."""
+    there = collect_excesses(view.findings)
+    return {m: {**baseline.excesses.get(m, {}), **there.get(m, {})} for m in {**baseline.excesses, **there}}

@@ -23,6 +23,11 @@ from urdfcheck.source.text.suppression_comments import IgnoreComment
 
 # What the baseline accepts in one model: how often each code, subject and message id.
 BaselineEntries = Mapping[tuple[str, str, str], int]
+# How bad that is at most, where it is known: see `Finding.excess`.
+BaselineExcesses = Mapping[tuple[str, str, str], float]
+# A finding is accepted until it is worse than it was by this share, which numbers do not change by being rounded or measured
+# elsewhere (chosen).
+_WORSE = 0.25
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -80,6 +85,7 @@ def mark_suppressed(
     comments: Iterable[IgnoreComment],
     entries: Sequence[SuppressionEntry],
     baseline_entries: BaselineEntries,
+    baseline_excesses: BaselineExcesses,
 ) -> tuple[list[Finding], set[Span]]:
     """Mark the findings that are suppressed with the reason; also return the comments that this needs.
 
@@ -104,10 +110,14 @@ def mark_suppressed(
         reason = reason or next((Suppression("configuration", e.reason) for e in entries if e.covers(finding)), None)
         # A text of which a macro makes the same element twice becomes one finding, and is one entry of the baseline.
         same = finding.code, finding.message_id, finding.location.span, finding.subjects
-        if reason is None and (same in taken or _take_baseline_entry(left, finding)):
+        is_worse = reason is None and _is_worse(finding, baseline_excesses)
+        if reason is None and not is_worse and (same in taken or _take_baseline_entry(left, finding)):
             taken.add(same)
             reason = Suppression("baseline", "in the baseline")
-        marked.append(replace(finding, suppressed=reason))
+        message = (
+            f"{finding.message}. It has become worse since the baseline accepted it" if is_worse else finding.message
+        )
+        marked.append(replace(finding, message=message, suppressed=reason))
     return marked, used
 
 
@@ -165,6 +175,12 @@ def _take_baseline_entry(left: Counter[tuple[str, str, str]], finding: Finding) 
         return False
     left.subtract(keys)
     return True
+
+
+def _is_worse(finding: Finding, excesses: BaselineExcesses) -> bool:
+    """Whether a finding is much worse than the baseline accepts it."""
+    accepted = (excesses.get((finding.code, subject, finding.message_id)) for subject in finding.subjects)
+    return any(before is not None and finding.excess - before > _WORSE * abs(before) for before in accepted)
 
 
 def assess_comment(

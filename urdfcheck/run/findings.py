@@ -89,7 +89,11 @@ def finalize_unit_findings(
     located = locate_typed_values(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
     marked, needed = mark_suppressed(
-        located, comments=comments, entries=policy.suppress, baseline_entries=unit.baseline_entries
+        located,
+        comments=comments,
+        entries=policy.suppress,
+        baseline_entries=unit.baseline_entries,
+        baseline_excesses=unit.baseline_excesses,
     )
     if policy.kinematics_only:
         marked = leave_out_dynamics(marked, rules)
@@ -193,7 +197,11 @@ def _suppress_by_model(
         unit, report = audited[model]
         comments = [usage.comment for usage in report.comments]
         marked_group, needed_here = mark_suppressed(
-            list(group), comments=comments, entries=policies[model].suppress, baseline_entries=unit.baseline_entries
+            list(group),
+            comments=comments,
+            entries=policies[model].suppress,
+            baseline_entries=unit.baseline_entries,
+            baseline_excesses=unit.baseline_excesses,
         )
         marked += marked_group
         needed |= needed_here

@@ -12,7 +12,7 @@ from urdfcheck.core import Finding, ModelInfo, NotChecked, SkippedCheck
 from urdfcheck.core.records import dataclass
 from urdfcheck.policy.limits import ResourceLimits
 from urdfcheck.policy.policy import Policy
-from urdfcheck.policy.suppression import BaselineEntries, CommentUsage
+from urdfcheck.policy.suppression import BaselineEntries, BaselineExcesses, CommentUsage
 from urdfcheck.source.model_role import MODEL, ModelRole
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.reach import FileReach
@@ -146,6 +146,8 @@ class Unit:
     """See :func:`urdfcheck.source.load.load_source`."""
     baseline_entries: BaselineEntries = field(default_factory=dict)
     """What the baseline accepts in this unit."""
+    baseline_excesses: BaselineExcesses = field(default_factory=dict)
+    """How bad that is at most, where it is known."""
     baseline_home: tuple[str, str] | None = None
     """File and root folder of its baseline; None for the run's own."""
     baseline_name: str = ""

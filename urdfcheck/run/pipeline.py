@@ -544,10 +544,12 @@ def _apply_config(
     # The baseline of the run has the names of a run, and that of a folder those of the folder.
     baseline_name = name if home is None else unit.id
     entries = {} if own_baseline is None else own_baseline.get_entries(baseline_name)
+    excesses = {} if own_baseline is None else own_baseline.get_excesses(baseline_name)
     return replace(
         unit,
         id=name,
         baseline_entries=entries,
+        baseline_excesses=excesses,
         baseline_home=home,
         baseline_name=baseline_name,
         **resolve(unit.path),

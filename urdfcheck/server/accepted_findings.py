@@ -14,6 +14,7 @@ from urdfcheck.policy.baseline import (
     Baseline,
     EntryKey,
     collect_entries,
+    collect_excesses,
     is_baseline_candidate,
     read_found_baseline,
     render_baseline,
@@ -39,14 +40,17 @@ def _make_acceptance(found: ShownFinding, documents: DocumentStore) -> types.Cod
     """Return the action; None where a baseline cannot be read, or the editor could not create it."""
     places = {model: place for project in found.state.answer.projects for model, place in project.baselines.items()}
     added: dict[tuple[str, str], dict[str, Counter[EntryKey]]] = {}
+    measured = collect_excesses([found.finding])
+    excesses: dict[str, Mapping[EntryKey, float]] = {}
     for model, entries in collect_entries([found.finding]).items():
         place = places.get(model)
         if place is None:
             return None
         added.setdefault((place.file, place.root), {})[place.model] = entries
+        excesses[place.model] = measured.get(model, {})
     changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
     for (file, root), models in added.items():
-        edits = _edit_baseline(Path(file), Path(root), models, documents)
+        edits = _edit_baseline(Path(file), Path(root), models, excesses, documents)
         if edits is None:
             return None
         changes += edits
@@ -62,7 +66,11 @@ def _make_acceptance(found: ShownFinding, documents: DocumentStore) -> types.Cod
 
 
 def _edit_baseline(
-    file: Path, root: Path, added: Mapping[str, Counter[EntryKey]], documents: DocumentStore
+    file: Path,
+    root: Path,
+    added: Mapping[str, Counter[EntryKey]],
+    excesses: Mapping[str, Mapping[EntryKey, float]],
+    documents: DocumentStore,
 ) -> list[types.TextDocumentEdit | types.CreateFile] | None:
     """Return the edits of a baseline that add entries to it; None where it cannot be read or made."""
     document = documents.find_open(str(file))
@@ -77,8 +85,9 @@ def _edit_baseline(
     models = {model: Counter(entries) for model, entries in known.models.items()}
     for model, entries in added.items():
         models[model] = models.get(model, Counter()) + entries
+    worst = {model: {**known.excesses.get(model, {}), **excesses.get(model, {})} for model in models}
     positions = TextPositions(known.text, documents.encoding)
-    edits = list(iter_differences(positions, render_baseline(models)))
+    edits = list(iter_differences(positions, render_baseline(models, worst)))
     uri = documents.find_uri(str(file))
     identifier = types.OptionalVersionedTextDocumentIdentifier(uri, None if document is None else document.version)
     created = [] if old is not None else [types.CreateFile(uri, options=types.CreateFileOptions(ignore_if_exists=True))]

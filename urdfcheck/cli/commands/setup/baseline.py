@@ -142,7 +142,8 @@ def _renew_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) 
     from urdfcheck.policy import baseline
     from urdfcheck.source.package.finder import format_path
 
-    write_file(baseline.render_baseline(baseline.renew_entries(old, view)), old.path, checked)
+    text = baseline.render_baseline(baseline.renew_entries(old, view), baseline.renew_excesses(old, view))
+    write_file(text, old.path, checked)
     count = sum(baseline.is_baseline_candidate(finding) for finding in view.findings)
     say(f"{format_path(old.path)}: {count:,} {'finding' if count == 1 else 'findings'} accepted")
 
@@ -153,7 +154,7 @@ def _prune_baseline(old: Baseline, view: BaselineView, checked: CheckedFolders) 
     from urdfcheck.source.package.finder import format_path
 
     stale = baseline.find_stale_entries(old, view)
-    write_file(baseline.render_baseline(baseline.remove_stale_entries(old, stale)), old.path, checked)
+    write_file(baseline.render_baseline(baseline.remove_stale_entries(old, stale), old.excesses), old.path, checked)
     count = sum(sum(entries.values()) for entries in stale.values())
     done = f"removed {_format_entry_count(count, 'stale ')}" if count else "no entry is stale"
     rest = old.size - count
