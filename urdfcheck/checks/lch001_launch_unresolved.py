@@ -257,7 +257,7 @@ def _build_unknown_finding(
 
 
 def _choose_trial(path: str, launch: Launch, *, is_model: bool) -> Trial:
-    """Return what decides whether another file would do in the place of one that a launch file in Python names."""
+    """Return what decides whether another file would do where a launch file in Python names one."""
     if not is_model:
         return partial(can_be_included, wanted=path, including=[launch.path], finder=launch.finder)
     return partial(is_semantic if path.lower().endswith(SRDF_SUFFIXES) else makes_robot, finder=launch.finder)

@@ -206,7 +206,7 @@ def merge_kinds(findings: Iterable[Finding], units: Iterable[Unit] = ()) -> list
 
 
 def count_more_notes(findings: Iterable[Finding], unrequested: Iterable[Finding], units: Iterable[Unit]) -> int:
-    """Count by how many notes a report grows that lists those which were not asked for: one of each kind in a file."""
+    """Count by how many notes a report grows that lists the ones that were not asked for: one of each kind in a file."""
     units = list(units)
     shown = [f for f in findings if f.severity is Severity.INFO and f.suppressed is None]
     alike = merge_kinds([*iter_occurrences(shown), *merge_across_models(unrequested, units)], units)

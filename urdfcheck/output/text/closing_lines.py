@@ -32,7 +32,7 @@ _LEAST_TITLE = 40
 
 
 def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
-    """Yield for each file the arguments that launch files pass and nobody gave; its variants have them all."""
+    """Yield for each file the arguments that launch files pass and the user did not give; its variants have them all."""
     told = {(info.path, found): None for info in run.models if (found := describe_found_arguments(info))}
     for path, found in told:
         yield from wrap_text(Text(escape_one_line(f"{path}: {found}"), "dim"), width)
@@ -41,7 +41,7 @@ def iter_found_arguments(run: Run, width: int) -> Iterator[Text]:
 def iter_skipped(run: Run, width: int, *, is_full: bool) -> Iterator[Text]:
     """Yield the skipped checks by reason, with their models unless the reason applies to all.
 
-    ``is_full``: also those that nobody misses, see `_is_missed`.
+    ``is_full``: also those that no reader misses, see `_is_missed`.
     """
     reported = {finding.code for finding in run.active_findings}
     reasons: dict[str, tuple[set[str], set[str]]] = {}
