@@ -11,6 +11,10 @@ from urdfcheck.system.installation import find_pages_folder as find_pages_folder
 
 TITLE = re.compile(r"# ([A-Z]{3}\d{3}) ([a-z0-9]+(?:-[a-z0-9]+)*)\n")
 _CODE = re.compile(r"[A-Z]{3}\d{3}")
+# The sections of which a short page has the beginning.
+_ABRIDGED = ("What it checks", "Why it matters", "How to fix", "Bad", "When to ignore")
+_EXAMPLE = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
+_PARAGRAPH = re.compile(rf"{_EXAMPLE.pattern}|.*?(?=\n\n|\Z)", re.DOTALL | re.MULTILINE)
 
 
 @cache
@@ -72,6 +76,23 @@ def explain_page(page: str) -> str:
         )
         parts.append("## Options\n\n" + "\n".join(lines))
     return "\n\n".join(parts)
+
+
+def abridge_page(page: str) -> str:
+    """Return what a reader in a hurry needs of a page: the first paragraph of each of its sections, and its first example."""
+    import tomli
+
+    header, rest = split_page(page)
+    meta = tomli.loads(header.partition("\n[")[0])
+    title = page.partition("\n")[0]
+    parts = [title, f"{meta['severity']}, {meta['confidence']} · tags: {', '.join(meta['tags'])}"]
+    for heading in _ABRIDGED:
+        section = re.search(rf"^## {heading}\n+(.*?)(?=^## |\Z)", rest, re.DOTALL | re.MULTILINE)
+        found = None if section is None else (_EXAMPLE if heading == "Bad" else _PARAGRAPH).search(section[1])
+        if found is not None:
+            parts.append(f"## {heading}\n\n{found[0].rstrip()}")
+    code = title.removeprefix("# ").partition(" ")[0]
+    return "\n\n".join((*parts, f"The whole page, with all cases: urdfcheck rule {code} --full"))
 
 
 def describe_on_request(messages: Collection[str], on_request: Iterable[str]) -> str:

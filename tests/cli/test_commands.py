@@ -17,6 +17,7 @@ from conftest import command as urdfcheck
 
 from urdfcheck import cli
 from urdfcheck.cli import terminal
+from urdfcheck.rule_pages import abridge_page, list_pages
 
 pytestmark = pytest.mark.slow
 
@@ -244,6 +245,20 @@ def test_rule_lists_and_explains() -> None:
     explained = urdfcheck("rule", "triangle-inequality", cwd=Path())
     assert explained.stdout.startswith("# INR003 triangle-inequality")
     assert explained.returncode == cli.OK
+    assert "urdfcheck rule INR003 --full" in explained.stdout
+    whole = urdfcheck("rule", "INR003", "--full", cwd=Path()).stdout
+    assert len(whole.splitlines()) > len(explained.stdout.splitlines())
+    assert "## References" in whole
+
+
+@pytest.mark.parametrize("page", list_pages(), ids=lambda page: page.name[:6])
+def test_a_short_page_is_the_beginning_of_each_section(page: Path) -> None:
+    short, whole = abridge_page(page.read_text(encoding="utf-8")), page.read_text(encoding="utf-8")
+    headings = [line for line in short.splitlines() if line.startswith("## ")]
+    assert headings == [line for line in whole.splitlines() if line in headings]
+    assert {"## What it checks", "## Why it matters", "## How to fix"} <= set(headings)
+    assert short.count("```") % 2 == 0
+    assert len(short.splitlines()) < 90
 
 
 @pytest.mark.usefixtures("one_process")

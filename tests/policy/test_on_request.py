@@ -251,7 +251,7 @@ def test_a_page_says_that_its_notes_are_on_request() -> None:
     assert "notes only on request" in describe_on_request(load_rules()["COL002"])
     assert "notes floating, planar only on request" in describe_on_request(load_rules()["KIN009"])
     assert describe_on_request(load_rules()["INR003"]) == ""
-    assert "notes only on request" in command("rule", "COL002").stdout
+    assert "notes only on request" in command("rule", "COL002", "--full").stdout
 
 
 def test_a_page_names_messages_that_exist(tmp_path: Path) -> None:

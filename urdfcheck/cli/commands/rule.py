@@ -1,4 +1,4 @@
-"""``urdfcheck rule [CODE]``: list the rules, or print a page."""
+"""``urdfcheck rule [CODE]``: list the rules, or explain one by its page."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ def build_parser() -> argparse.ArgumentParser:
     """Build the parser of ``urdfcheck rule``."""
     p = CommandParser(prog="urdfcheck rule", description="List the rules, or explain one.")
     p.add_argument("code", nargs="?", metavar="CODE", help="code or name of a rule; without it, all rules are listed")
+    p.add_argument("--full", action="store_true", help="print the whole page: all cases, examples and references")
     return p
 
 
@@ -20,7 +21,9 @@ def main(words: Sequence[str]) -> int:
     """Run the command."""
     options = build_parser().parse_args(words)
 
-    from urdfcheck.rule_pages import explain_page, find_page, list_pages, summarize_page
+    from urdfcheck.rule_pages import abridge_page, explain_page, find_page, list_pages, summarize_page
+
+    explain = explain_page if options.full else abridge_page
 
     if options.code is None:
         for path in list_pages():
@@ -28,10 +31,10 @@ def main(words: Sequence[str]) -> int:
         return OK
     page = find_page(options.code)
     if page is not None:
-        say(explain_page(page.read_text(encoding="utf-8")))
+        say(explain(page.read_text(encoding="utf-8")))
         return OK
 
     from urdfcheck.rules import load_rules, select_rules
 
-    say("\n\n".join(explain_page(load_rules()[code].page) for code in sorted(select_rules([options.code]))))
+    say("\n\n".join(explain(load_rules()[code].page) for code in sorted(select_rules([options.code]))))
     return OK
