@@ -229,6 +229,13 @@ def test_what_was_skipped_for_some_models_names_them() -> None:
     assert f"skipped COL001, MSH002: no meshes here ({MODEL})\n" in render(two)
 
 
+def test_a_long_report_repeats_its_errors_with_their_lines() -> None:
+    headline = "a claim of seventy characters about the one file that was checked, cut"
+    text = render(a_run(*(finding(headline=headline, code=f"AAA00{n}") for n in range(9))), width=80)
+    repeated = text.partition("errors and warnings")[2].splitlines()[1:10]
+    assert all(re.fullmatch(r"✖ AAA00\d a claim .*…  line \d+", line) for line in repeated), repeated
+
+
 def test_a_file_that_was_not_checked_at_all_is_told_by_its_name() -> None:
     part = SkippedCheck("ALL", "part.xacro", "is not checked: no model is made of it")
     quiet = SkippedCheck(SkippedCheck.WARNINGS, "old.urdf", "it is kept aside", is_partial=True)

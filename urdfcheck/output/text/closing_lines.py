@@ -94,7 +94,8 @@ def iter_recap(run: Run, width: int) -> Iterator[Text]:
         place = "" if span is None else f"  {escape_one_line(span.file)}:{span.line}:{span.col}"
         if title.cell_len + len(place) > width and span is not None:
             # One file needs no name; of several the title is cut for it.
-            place = f"  {'' if is_one_file else escape_one_line(get_base_name(span.file))}:{span.line}"
+            name = escape_one_line(get_base_name(span.file))
+            place = f"  line {span.line}" if is_one_file else f"  {name}:{span.line}"
             cut = cut_line(title.plain, max(width - len(place), _LEAST_TITLE))
             if cut != title.plain:
                 title.right_crop(len(title) - len(cut) + 1)
