@@ -19,10 +19,9 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.parts import TENSOR_NAMES
+from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.use.display import is_loaded_for_frames
 from urdfcheck.source.text.values import parse_number
 

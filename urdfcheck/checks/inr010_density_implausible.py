@@ -22,8 +22,9 @@ from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.motion.fixed_base import is_ballast
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry, measure_links_volume
 from urdfcheck.model.wheel_names import WHEEL_NAME

@@ -15,8 +15,8 @@ from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.mesh_density import compute_mesh_density
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.use.display import is_made_for_display
 
 # Osmium, the densest material at room pressure (kg/m³).

@@ -19,8 +19,7 @@ from urdfcheck.model.inertials.reach import (
     measure_reach,
 )
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
-from urdfcheck.model.parts import Link
-from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.parts import Link, has_drawn_shape
 from urdfcheck.model.shapes.corners import collect_body_corners, has_known_shapes
 
 # What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is

@@ -11,9 +11,8 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.inertials.reach import LEAST_JOINTS
-from urdfcheck.model.parts import Joint
+from urdfcheck.model.parts import Joint, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
 
 if TYPE_CHECKING:

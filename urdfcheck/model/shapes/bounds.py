@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.mesh.topology import compute_bounds
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
@@ -17,9 +17,6 @@ if TYPE_CHECKING:
     from urdfcheck.facts.mesh.measure import MeshFacts
 
 
-# A primitive of at most 5 mm is a dummy: published models write one where some parser wants a shape (boxes of 1 mm in PR2 and
-# the Shadow hand, of 5 mm in RotorS).
-MAX_DUMMY_SIZE = 0.005
 # More than rounding leaves of a quarter turn's zeros, and less than anybody measures.
 _STRAIGHT = 1e-9
 # The rotations that turn COLLADA's frames to z up, which some programs apply and others do not.
@@ -27,12 +24,6 @@ Z_UP_ROTATIONS = {
     "Y_UP": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
     "X_UP": np.array([[0, -1.0, 0], [0, 0, -1], [1, 0, 0]]),
 }
-
-
-def is_dummy_shape(shape: Shape) -> bool:
-    """Whether a shape is a primitive too small to be meant as a part."""
-    size = shape.size
-    return shape.kind != "mesh" and size is not None and max(map(abs, size)) <= MAX_DUMMY_SIZE
 
 
 def compute_bounding_box(
@@ -100,8 +91,3 @@ def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
 def get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
     """Return the rotation that puts a mesh upright (a permutation of its axes), the identity without ``apply_up_axis``."""
     return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
-
-
-def has_drawn_shape(link: Link) -> bool:
-    """Whether a link has a shape that is meant as a part."""
-    return any(not is_dummy_shape(shape) for shape in (*link.visuals, *link.collisions))

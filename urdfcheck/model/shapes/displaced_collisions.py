@@ -12,10 +12,9 @@ import numpy as np
 from urdfcheck.core import Edit, Located
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.sphere_directions import spread_directions_and_axes
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
