@@ -98,16 +98,85 @@ def subtract(one: Sequence[float], other: Sequence[float]) -> Vector:
     return one[0] - other[0], one[1] - other[1], one[2] - other[2]
 
 
+def multiply_inner(one: Sequence[float], other: Sequence[float]) -> float:
+    """Compute the inner product of two vectors."""
+    return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+
+
+def multiply_outer(one: Sequence[float], other: Sequence[float]) -> Vector:
+    """Compute the cross product of two vectors."""
+    (a, b, c), (x, y, z) = one, other
+    return b * z - c * y, c * x - a * z, a * y - b * x
+
+
 def make_tensor(components: Sequence[float]) -> Matrix:
     """Make the tensor of URDF's ``ixx ixy ixz iyy iyz izz``."""
     ixx, ixy, ixz, iyy, iyz, izz = components
     return (ixx, ixy, ixz), (ixy, iyy, iyz), (ixz, iyz, izz)
 
 
+def turn_tensor(rotation: Matrix, tensor: Matrix) -> Matrix:
+    """Return a tensor in the axes of the frame in which its own is rotated."""
+    return multiply(multiply(rotation, tensor), transpose(rotation))
+
+
+def add_tensors(tensors: Sequence[Matrix]) -> Matrix:
+    """Add tensors about one point in the same axes."""
+    first, second, third = (
+        (sum(row[0] for row in rows), sum(row[1] for row in rows), sum(row[2] for row in rows))
+        for rows in zip(*tensors, strict=True)
+    )
+    return first, second, third
+
+
+def add_parallel_axis(tensor: Matrix, mass: float, lever: Vector) -> Matrix:
+    """Return the tensor (kg m²) of a mass (kg) about a point that is ``lever`` (m) away from its COM, about which ``tensor``
+    is."""
+    x, y, z = lever
+    (xx, xy, xz), (_, yy, yz), (_, _, zz) = tensor
+    return make_tensor(
+        (
+            xx + mass * (y * y + z * z),
+            xy - mass * x * y,
+            xz - mass * x * z,
+            yy + mass * (x * x + z * z),
+            yz - mass * y * z,
+            zz + mass * (x * x + y * y),
+        )
+    )
+
+
 def measure_rotation(rotation: Matrix) -> float:
     """Measure the angle (rad) of a rotation."""
     (xx, _, _), (_, yy, _), (_, _, zz) = rotation
     return math.acos(max(-1.0, min(1.0, (xx + yy + zz - 1.0) / 2.0)))
+
+
+def find_turn(rotation: Sequence[Sequence[float]]) -> tuple[Vector, float]:
+    """Find the unit axis and the angle (rad, within [0, π]) of a rotation; axis x if the angle is 0.
+
+    Goes through the quaternion's largest component (Shepperd, *Quaternion from rotation matrix*, 1978), which keeps
+    full precision both near 0, where the arc cosine of the trace loses it, and near π, where the skew part does.
+    """
+    r = rotation
+    trace = r[0][0] + r[1][1] + r[2][2]
+    candidates = (r[0][0], r[1][1], r[2][2], trace)
+    i = candidates.index(max(candidates))
+    if i == 3:
+        vector = [r[2][1] - r[1][2], r[0][2] - r[2][0], r[1][0] - r[0][1]]
+        scalar = 1.0 + trace
+    else:
+        j, k = (i + 1) % 3, (i + 2) % 3
+        vector = [0.0] * 3
+        vector[i] = 1.0 - trace + 2.0 * r[i][i]
+        vector[j] = r[j][i] + r[i][j]
+        vector[k] = r[k][i] + r[i][k]
+        scalar = r[k][j] - r[j][k]
+    length = math.hypot(*vector)
+    if length == 0.0:
+        return (1.0, 0.0, 0.0), 0.0
+    x, y, z = (component / (-length if scalar < 0.0 else length) for component in vector)
+    return (x, y, z), 2.0 * math.atan2(length, abs(scalar))
 
 
 def compute_moments(tensor: Matrix) -> Vector:

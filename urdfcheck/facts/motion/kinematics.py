@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from urdfcheck.facts.small_matrices import Placement, make_quaternion_rotation, make_rotation
+from urdfcheck.facts.small_matrices import Placement, find_turn, make_quaternion_rotation, make_rotation
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -61,30 +61,9 @@ def build_transform(placement: Placement) -> Mat4:
 
 
 def compute_axis_angle(rotation: ArrayLike) -> tuple[Vec3, float]:
-    """Compute the unit axis (3,) and angle (rad, within [0, π]) of a (3, 3) rotation; axis x if the angle is 0.
-
-    Goes through the quaternion's largest component (Shepperd, *Quaternion from rotation matrix*, 1978), which keeps
-    full precision both near 0, where the arc cosine of the trace loses it, and near π, where the skew part does.
-    """
-    r = np.asarray(rotation, dtype=float)
-    trace = float(np.trace(r))
-    largest = int(np.argmax((r[0, 0], r[1, 1], r[2, 2], trace)))
-    if largest == 3:
-        vector = np.array((r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]))
-        scalar = 1.0 + trace
-    else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        vector = np.empty(3)
-        vector[i] = 1.0 - trace + 2.0 * r[i, i]
-        vector[j] = r[j, i] + r[i, j]
-        vector[k] = r[k, i] + r[i, k]
-        scalar = float(r[k, j] - r[j, k])
-    if scalar < 0.0:
-        vector, scalar = -vector, -scalar
-    length = math.hypot(*vector)
-    if length == 0.0:
-        return np.array((1.0, 0.0, 0.0)), 0.0
-    return vector / length, 2.0 * math.atan2(length, scalar)
+    """Compute the unit axis (3,) and angle of a (3, 3) rotation, as `find_turn` does."""
+    axis, angle = find_turn(np.asarray(rotation, dtype=float).tolist())
+    return np.array(axis), angle
 
 
 def compute_joint_motions(axis: ArrayLike, values: ArrayLike, *, rotates: bool) -> Array:

@@ -11,6 +11,7 @@ from urdfcheck.facts.mesh.topology import compute_bounds
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
+from urdfcheck.model.shapes.primitive_boxes import compute_half_extents
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -59,7 +60,7 @@ def _compute_shape_box(
             return None
         turned = get_up_axis_rotation(facts, apply_up_axis)
         return _compute_mesh_box(facts, turn @ np.diag(scale) @ turned, place)
-    reach = _compute_half_extents(shape.kind, np.abs(size), turn)
+    reach = np.array(compute_half_extents(shape.kind, [abs(part) for part in size], turn.tolist()))
     return place - reach, place + reach
 
 
@@ -72,20 +73,6 @@ def _compute_mesh_box(facts: MeshFacts, linear: Array, place: Array) -> tuple[Ar
         return middle - half, middle + half
     low, high = compute_bounds(facts.vertices @ linear.T)
     return low + place, high + place
-
-
-def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
-    """Compute half the extents (3,) of a primitive along the axes of the frame in which it is turned."""
-    if kind == "box":
-        corner: Array = np.abs(turn) @ size / 2
-        return corner
-    if kind == "sphere":
-        return np.full(3, size[0])
-    radius, length = size
-    along = np.abs(turn[:, 2])
-    across = np.sqrt(np.maximum(0.0, 1.0 - along**2)) if kind == "cylinder" else np.ones(3)
-    reach: Array = along * length / 2 + radius * across
-    return reach
 
 
 def get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
