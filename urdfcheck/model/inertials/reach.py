@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.small_matrices import Vector
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Joint
+from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
 
 # Fewer joints that are apart do not say how large a robot is: a mast may stand on a small base.
 LEAST_JOINTS = 3
@@ -105,15 +101,24 @@ def _read_place(joint: Joint) -> Vector:
 
 def _measure_shapes(model: Model, name: str, *, with_unread: bool = True) -> float:
     """Measure how far the shapes of a link reach from its frame (m): those that cannot be read to their own origin at least."""
+    link = model.link_by_name[name]
+    farthest = 0.0
+    for shape in (*link.visuals, *link.collisions):
+        reach, placement = _measure_shape(model, shape), shape.origin.placement
+        if reach is None and placement is not None and with_unread:
+            reach = math.hypot(*placement.place)
+        farthest = max(farthest, reach or 0.0)
+    return farthest
+
+
+def _measure_shape(model: Model, shape: Shape) -> float | None:
+    """Measure how far a shape reaches from its link's frame (m); None where it is not known."""
+    if shape.kind == "mesh" and model.meshes.get_facts(shape) is None:
+        return None
     import numpy as np
 
     from urdfcheck.model.shapes.corners import compute_shape_corners
 
-    link = model.link_by_name[name]
-    corners: list[Array] = []
-    for shape in (*link.visuals, *link.collisions):
-        # A program that ignores COLLADA's unit sees another size: the larger one counts.
-        known = [c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None]
-        pose = shape.origin.matrix
-        corners += known or ([] if pose is None or not with_unread else [pose[None, :3, 3]])
-    return max((float(np.linalg.norm(c, axis=1).max(initial=0.0)) for c in corners), default=0.0)
+    # A program that ignores COLLADA's unit sees another size: the larger one counts.
+    known = [c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None]
+    return max((float(np.linalg.norm(c, axis=1).max(initial=0.0)) for c in known), default=None)
