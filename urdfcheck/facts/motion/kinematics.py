@@ -61,7 +61,7 @@ def build_transform(placement: Placement) -> Mat4:
 
 
 def compute_axis_angle(rotation: ArrayLike) -> tuple[Vec3, float]:
-    """Compute the unit axis (3,) and angle of a (3, 3) rotation, as `find_turn` does."""
+    """Compute the unit axis (3,) and the angle (rad) of a (3, 3) rotation with `find_turn`."""
     axis, angle = find_turn(np.asarray(rotation, dtype=float).tolist())
     return np.array(axis), angle
 
