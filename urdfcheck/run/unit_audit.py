@@ -10,7 +10,6 @@ import itertools
 import operator
 import os
 import time
-import traceback
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -434,6 +433,8 @@ class _UnitAudit:
 
     def add_crash(self, name: str, error: Exception) -> None:
         """Report that a check failed."""
+        import traceback  # nearly no run needs it
+
         where = traceback.extract_tb(error.__traceback__)[-1]
         text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
         text = self.shortener.shorten_text(text)
