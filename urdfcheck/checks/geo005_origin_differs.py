@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.facts.small_matrices import Matrix, subtract
+from urdfcheck.facts.small_matrices import list_entries, subtract
 from urdfcheck.model import Link, Model
 from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
 
@@ -89,7 +89,7 @@ def _list_rotated_drawings(
     displaced = {one.link.name: one for one in found}
     if len(links) < _VIEWED or len(displaced) < len(links):
         return frozenset()
-    turns = [_list_entries(one.collision.measure_turn(one.visual)) for one in displaced.values()]
+    turns = [list_entries(one.collision.measure_turn(one.visual)) for one in displaced.values()]
     alike = all(abs(entry - first) <= angle for turn in turns for entry, first in zip(turn, turns[0], strict=True))
     is_quarter = all(abs(entry - round(entry)) <= angle for entry in turns[0])
     still = all(one.moved <= distance for one in displaced.values())
@@ -98,10 +98,6 @@ def _list_rotated_drawings(
     fits = [_compare_com_distances(model, one.link) >= _NEARER for one in displaced.values()]
     # A COM on the axis of the rotation is as near to either.
     return frozenset(displaced) if sum(fits) * 2 >= len(fits) else frozenset()
-
-
-def _list_entries(matrix: Matrix) -> list[float]:
-    return [entry for row in matrix for entry in row]
 
 
 def _compare_com_distances(model: Model, link: Link) -> float:

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.small_matrices import IDENTITY, make_tensor, turn_tensor
+from urdfcheck.facts.small_matrices import IDENTITY, make_tensor, measure_change, turn_tensor
 from urdfcheck.model import CompleteInertial, Link, Model
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.source.text.xml import Element
@@ -57,8 +57,7 @@ def _measure_rotation(declared: CompleteInertial, rel_tol: float) -> _RotatedIne
     if not declared.mass or origin is None or rotation == IDENTITY:
         return None
     largest = max(map(abs, declared.moments))
-    turned = turn_tensor(rotation, typed)
-    change = max(abs(a - b) for rows in zip(turned, typed, strict=True) for a, b in zip(*rows, strict=True))
+    change = measure_change(turn_tensor(rotation, typed), typed)
     return _RotatedInertial(declared, origin, change / largest) if largest > 0 and change > rel_tol * largest else None
 
 

@@ -13,6 +13,7 @@ from urdfcheck.facts.small_matrices import (
     IDENTITY,
     Matrix,
     Vector,
+    list_entries,
     measure_rotation,
     multiply,
     multiply_inner,
@@ -154,7 +155,7 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
         if measure_rotation(multiply(rotation, transpose(_OPTICAL))) > tol and not _is_optical_in_root(
             model, joint, tol
         ):
-            key = tuple(round(entry * 1e3) for row in rotation for entry in row)
+            key = tuple(round(entry * 1e3) for entry in list_entries(rotation))
             wrong.setdefault(key, (rotation, []))[1].append(joint)
     for rotation, joints in wrong.values():
         places = [locate_origin_attribute(joint, "rpy") for joint in joints]

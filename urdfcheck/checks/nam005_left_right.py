@@ -10,7 +10,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.small_matrices import IDENTITY, Matrix, rotate, subtract, transpose
+from urdfcheck.facts.small_matrices import IDENTITY, Matrix, measure_change, rotate, subtract, transpose
 from urdfcheck.model import Joint, Model
 
 # The words of a name and the text between them.
@@ -127,8 +127,7 @@ def _can_tell_sides(body: Matrix, left: Joint, right: Joint) -> bool:
     Not on a body that is rotated against the root, not for the fingers of a gripper, which can be mounted either way, and not
     for fixed parts that face backwards or upside down.
     """
-    rotation = max(abs(a - b) for rows in zip(body, IDENTITY, strict=True) for a, b in zip(*rows, strict=True))
-    if rotation > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":
+    if measure_change(body, IDENTITY) > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":
         return False
     fixed = [joint.origin.placement for joint in (left, right) if joint.type == "fixed"]
     return all(one is not None and one.rotation[0][0] > 0.0 and one.rotation[2][2] > 0.0 for one in fixed)

@@ -93,6 +93,16 @@ def transpose(matrix: Matrix) -> Matrix:
     return (ax, bx, cx), (ay, by, cy), (az, bz, cz)
 
 
+def list_entries(matrix: Matrix) -> tuple[float, ...]:
+    """List the nine entries of a matrix, row by row."""
+    return (*matrix[0], *matrix[1], *matrix[2])
+
+
+def measure_change(one: Matrix, other: Matrix) -> float:
+    """Measure the largest difference between entries of two matrices."""
+    return max(abs(a - b) for a, b in zip(list_entries(one), list_entries(other), strict=True))
+
+
 def subtract(one: Sequence[float], other: Sequence[float]) -> Vector:
     """Return the vector from the ``other`` point to the ``one``."""
     return one[0] - other[0], one[1] - other[1], one[2] - other[2]

@@ -8,7 +8,7 @@ from itertools import permutations, product
 
 from urdfcheck.core import Edit, Located
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.small_matrices import IDENTITY, Matrix, Placement, multiply, transpose
+from urdfcheck.facts.small_matrices import IDENTITY, Matrix, Placement, list_entries, multiply, transpose
 from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
@@ -198,16 +198,13 @@ def _generate_box_symmetries(size: tuple[float, ...]) -> Iterator[Matrix]:
     """Yield the rotations by quarter and half turns that map a box onto itself."""
     for order in permutations(range(3)):
         if all(math.isclose(size[a], size[b], rel_tol=1e-9) for a, b in enumerate(order)):
-            # A mirror image is no rotation.
-            is_even = order in _EVEN_ORDERS
-            for sign, second, third in product((1.0, -1.0), repeat=3):
-                if (sign * second * third > 0) == is_even:
-                    turns = zip((sign, second, third), (IDENTITY[axis] for axis in order), strict=True)
-                    rows = [(s * x, s * y, s * z) for s, (x, y, z) in turns]
-                    yield rows[0], rows[1], rows[2]
+            for signs in product((1.0, -1.0), repeat=3):
+                if (math.prod(signs) > 0) == (order in _EVEN_ORDERS):  # else it is a mirror image
+                    rows = zip(signs, (IDENTITY[axis] for axis in order), strict=True)
+                    first, second, third = ((sign * x, sign * y, sign * z) for sign, (x, y, z) in rows)
+                    yield first, second, third
 
 
 def _measure_rotation(turn: Matrix) -> float:
     # The chord from the identity: unlike the arc cosine of the trace, it keeps small angles.
-    chord = math.hypot(*(a - b for rows in zip(turn, IDENTITY, strict=True) for a, b in zip(*rows, strict=True)))
-    return 2 * math.asin(min(1.0, chord / math.sqrt(8)))
+    return 2 * math.asin(min(1.0, math.dist(list_entries(turn), list_entries(IDENTITY)) / math.sqrt(8)))
