@@ -128,6 +128,43 @@ def test_the_source_tier_never_loads_meshes_or_dynamics(tmp_path: Path) -> None:
     assert not loaded_by(code) & {"trimesh", "pinocchio", "coal", "yourdfpy", "scipy", "collada"}
 
 
+def test_the_text_of_a_sound_robot_is_checked_without_arrays(tmp_path: Path) -> None:
+    """numpy takes as long to load as all else together."""
+    inertial = (
+        '<inertial><origin xyz="0 0 0.1"/><mass value="1.2"/>'
+        '<inertia ixx="0.01" ixy="0" ixz="1e-4" iyy="0.01" iyz="0" izz="0.004"/></inertial>'
+    )
+    rod, drawn = (
+        '<geometry><cylinder radius="0.04" length="0.2"/></geometry>',
+        '<geometry><mesh filename="arm.stl"/></geometry>',
+    )
+    for shape in (rod, drawn):
+        origin = '<origin xyz="0 0 0.1" rpy="0 0 1.57"/>'
+        links = "".join(
+            f'<link name="{name}">{inertial}<visual>{origin}{shape}</visual><collision>{origin}{shape}</collision></link>'
+            for name in ("base", *(f"{side}_{part}" for side in ("left", "right") for part in ("arm", "wrist", "hand")))
+        )
+        joints = "".join(
+            f'<joint name="{side}_joint_{child}" type="revolute"><origin xyz="0 {y} 0.2"/><parent link="{parent}"/>'
+            f'<child link="{side}_{child}"/><axis xyz="0 1 0"/>'
+            '<limit lower="-1.2" upper="1.3" effort="40" velocity="2"/></joint>'
+            for side, across in (("left", 0.05), ("right", -0.05))
+            for parent, child, y in (
+                ("base", "arm", across),
+                (f"{side}_arm", "wrist", 0),
+                (f"{side}_wrist", "hand", 0),
+            )
+        )
+        model = tmp_path / "r.urdf"
+        model.write_text(f'<robot name="r">{links}{joints}</robot>')
+        code = (
+            "from urdfcheck.run.preload import preload_modules\npreload_modules('source')\n"
+            f"{_IMPORTS}audit_unit(Unit(kind='model', path={str(model)!r}, id='r'), "
+            "AuditSettings(policy=Policy(codes=frozenset(load_rules()), tier='source')))"
+        )
+        assert "numpy" not in loaded_by(code)
+
+
 def test_a_warm_audit_loads_neither_meshes_nor_dynamics(tmp_path: Path) -> None:
     """What was measured once is recalled: nothing reads a mesh, moves a joint or compares shapes again."""
     trimesh = pytest.importorskip("trimesh")

@@ -1,4 +1,4 @@
-"""Rotations, transforms and forward kinematics in URDF's conventions."""
+"""Rotations in URDF's conventions."""
 
 from __future__ import annotations
 
@@ -11,9 +11,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose
 
 from urdfcheck.facts.motion.kinematics import (
-    build_origin_transform,
     compute_axis_angle,
-    compute_forward_kinematics,
     matrix_to_rpy,
     quaternion_to_matrix,
     rpy_to_matrix,
@@ -102,21 +100,3 @@ def test_half_turns_about_the_axes(axis: np.ndarray) -> None:
     found, size = compute_axis_angle(rotation_about(axis, math.pi))
     assert size == pytest.approx(math.pi)
     assert_allclose(abs(found), axis, atol=1e-15)
-
-
-def test_forward_places_children_by_their_parents() -> None:
-    # A base, an arm turned by a quarter, its tip one metre out; and a second arm at the base.
-    placements = [
-        build_origin_transform((0, 0, 1), (0, 0, 0)),
-        build_origin_transform((1, 0, 0), (0, 0, quarter)),
-        build_origin_transform((1, 0, 0), (0, 0, 0)),
-        build_origin_transform((0, -1, 0), (0, 0, 0)),
-    ]
-    world = compute_forward_kinematics([-1, 0, 1, 0], placements)
-    assert_allclose(world[:, :3, 3], [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, -1, 1)], atol=1e-15)
-
-
-@pytest.mark.parametrize("parents", [[-1, 2, 0], [0]])
-def test_forward_refuses_a_child_before_its_parent(parents: list[int]) -> None:
-    with pytest.raises(ValueError, match="before its parent"):
-        compute_forward_kinematics(parents, [np.eye(4)] * len(parents))

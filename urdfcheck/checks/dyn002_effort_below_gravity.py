@@ -20,7 +20,8 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
-from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
+from urdfcheck.model.parts import has_drawn_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.source.text.values import parse_number, read_attribute_number
 
 if TYPE_CHECKING:

@@ -16,8 +16,9 @@ from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.fixed_base import HANDLING_NAME
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+from urdfcheck.model.parts import is_dummy_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.stated_reasons import has_commented_child
 from urdfcheck.model.use.simulators import is_left_aside, is_started_in_simulator
 from urdfcheck.model.use.test_files import is_of_tests

@@ -14,9 +14,9 @@ from urdfcheck.core.text import format_box_size
 from urdfcheck.facts.median import compute_medians
 from urdfcheck.model import Link, Model
 from urdfcheck.model.ground.wheel_shapes import find_wheel_size_differences
-from urdfcheck.model.parts import locate_geometry
+from urdfcheck.model.parts import is_dummy_shape, locate_geometry
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_neighbour_links, list_rigid_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 from urdfcheck.model.shapes.outside_collisions import iter_outside_collisions, list_mesh_readings
 

@@ -8,12 +8,11 @@ import numpy as np
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.facts.arrays import Array
+from urdfcheck.facts.inertials.equivalent_solids import fit_equivalent_box, fit_equivalent_cylinder
 from urdfcheck.facts.inertials.inertia_tensor import (
     Solid,
     compute_principal_moments,
     compute_solid_inertia,
-    fit_equivalent_box,
-    fit_equivalent_cylinder,
 )
 from urdfcheck.facts.mesh.measure import compute_mesh_solid
 from urdfcheck.model import Model
@@ -69,12 +68,12 @@ def _fit_primitive(model: Model, use: MeshUse) -> str | None:
         return None
     solid = compute_mesh_solid(facts, scale, rotation=IDENTITY, translation=NO_TRANSLATION)
     extent = np.ptp(facts.bounds * np.array(scale), axis=0)
-    _, axes = compute_principal_moments(compute_solid_inertia(solid, solid.volume))
-    return _fit_cylinder(solid, axes, extent) or _fit_box(solid, axes, extent)
+    moments, axes = compute_principal_moments(compute_solid_inertia(solid, solid.volume))
+    return _fit_cylinder(solid, moments, axes, extent) or _fit_box(solid, moments, axes, extent)
 
 
-def _fit_cylinder(solid: Solid, axes: Array, extent: Array) -> str | None:
-    axis, radius, length = fit_equivalent_cylinder(solid.volume, compute_solid_inertia(solid, solid.volume))
+def _fit_cylinder(solid: Solid, moments: Array, axes: Array, extent: Array) -> str | None:
+    axis, radius, length = fit_equivalent_cylinder(solid.volume, moments.tolist())
     along = None if axis is None else _find_nearest_axis(axes[:, axis])
     if along is None or abs(np.pi * radius**2 * length / solid.volume - 1) > 0.02:
         return None
@@ -84,8 +83,8 @@ def _fit_cylinder(solid: Solid, axes: Array, extent: Array) -> str | None:
     return f'<cylinder radius="{radius:.3f}" length="{length:.3f}"/> along {"xyz"[along]}'
 
 
-def _fit_box(solid: Solid, axes: Array, extent: Array) -> str | None:
-    edges = fit_equivalent_box(solid.volume, compute_solid_inertia(solid, solid.volume))
+def _fit_box(solid: Solid, moments: Array, axes: Array, extent: Array) -> str | None:
+    edges = fit_equivalent_box(solid.volume, moments.tolist())
     places = [_find_nearest_axis(axes[:, i]) for i in range(3)]
     if None in places or abs(np.prod(edges) / solid.volume - 1) > 0.02:
         return None

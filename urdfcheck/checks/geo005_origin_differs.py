@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.facts.small_matrices import list_entries, subtract
 from urdfcheck.model import Link, Model
 from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
 
@@ -90,9 +89,9 @@ def _list_rotated_drawings(
     displaced = {one.link.name: one for one in found}
     if len(links) < _VIEWED or len(displaced) < len(links):
         return frozenset()
-    turns = [one.collision.pose[:3, :3].T @ one.visual.pose[:3, :3] for one in displaced.values()]
-    alike = all(float(np.abs(turn - turns[0]).max()) <= angle for turn in turns)
-    is_quarter = float(np.abs(np.abs(turns[0]) - np.rint(np.abs(turns[0]))).max()) <= angle
+    turns = [list_entries(one.collision.measure_turn(one.visual)) for one in displaced.values()]
+    alike = all(abs(entry - first) <= angle for turn in turns for entry, first in zip(turn, turns[0], strict=True))
+    is_quarter = all(abs(entry - round(entry)) <= angle for entry in turns[0])
     still = all(one.moved <= distance for one in displaced.values())
     if not (alike and is_quarter and still):
         return frozenset()
@@ -113,8 +112,8 @@ def _compare_com_distances(model: Model, link: Link) -> float:
     drawn, solid = (measure_role_geometry(model, link, role) for role in ("visual", "collision"))
     if xyz is None or not any(xyz) or drawn is None or solid is None:
         return 1.0
-    to_drawn, to_solid = (float(np.linalg.norm(np.array(xyz) - one.solid.com)) for one in (drawn, solid))
-    size = math.sqrt(float(np.trace(solid.solid.covariance)))
+    to_drawn, to_solid = (math.dist(xyz, one.solid.com) for one in (drawn, solid))
+    size = math.sqrt(float(solid.solid.covariance.trace()))
     if to_solid >= to_drawn:
         return 1.0
     return to_drawn / max(to_solid, 1e-9) if to_solid <= _NEAR * size else min(2.0, to_drawn / to_solid)
@@ -124,4 +123,4 @@ def _has_typed_com(displaced: DisplacedCollision) -> bool:
     """Whether the COM is the place of the collision as typed: then it may have been copied, and proves nothing."""
     inertial, xyz = displaced.link.inertial, displaced.collision.shape.origin.xyz or (0.0, 0.0, 0.0)
     com = None if inertial is None else inertial.origin.xyz
-    return com is None or float(np.abs(np.subtract(com, xyz)).max()) < 1e-6
+    return com is None or max(map(abs, subtract(com, xyz))) < 1e-6

@@ -2,18 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from urdfcheck.core import FactUnavailableError, Finding, Located, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import is_held_still
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
 
 # The units in which a robot is drawn, in metres, and the distances (m) that their robots have.
 _UNITS = {"millimetres": 0.001, "centimetres": 0.01, "inches": 0.0254}
@@ -39,7 +34,7 @@ def check(model: Model, rule: Rule, *, largest: float) -> Iterator[Finding]:
     farthest = _find_farthest_link(model)
     if farthest is None or farthest.distance <= largest or is_held_still(model.robot):
         return
-    lengths = {joint: float(np.linalg.norm(_get_offset(joint))) for joint in farthest.joints}
+    lengths = {joint: _measure_offset(joint) for joint in farthest.joints}
     longest = max(farthest.joints, key=lengths.__getitem__)
     rest = sum(lengths.values()) - lengths[longest]
     is_alone = 0.0 < rest < _ALONE * lengths[longest]
@@ -62,16 +57,16 @@ def check(model: Model, rule: Rule, *, largest: float) -> Iterator[Finding]:
 def _find_farthest_link(model: Model) -> _Reach | None:
     """Find the link that is farthest from the parent of the first joint that moves it, all joints at zero."""
     try:
-        frames = model.frames
+        placements = model.placements
     except FactUnavailableError:
         return None
     reaches = []
-    for name, frame in frames.items():
+    for name, placement in placements.items():
         path = model.tree.find_path_to(name)
         first = next((i for i, joint in enumerate(path) if joint.is_movable and joint.type != "floating"), None)
         if first is not None:
-            base = frames[path[first].parent]
-            reaches.append(_Reach(float(np.linalg.norm((frame - base)[:3, 3])), name, tuple(path[first:])))
+            base = placements[path[first].parent]
+            reaches.append(_Reach(math.dist(placement.place, base.place), name, tuple(path[first:])))
     return max(reaches, key=lambda reach: reach.distance, default=None)
 
 
@@ -80,9 +75,9 @@ def _locate_offset(joint: Joint) -> Located:
     return joint.element if origin is None else origin.attributes.get("xyz", origin)
 
 
-def _get_offset(joint: Joint) -> Array:
-    matrix = joint.origin.matrix
-    return np.zeros(3) if matrix is None else matrix[:3, 3]
+def _measure_offset(joint: Joint) -> float:
+    placement = joint.origin.placement
+    return 0.0 if placement is None else math.hypot(*placement.place)
 
 
 def _describe_readings(distance: float) -> str:

@@ -4,23 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import merge_identical
 from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES
-from urdfcheck.facts.inertials.inertia_tensor import (
-    TensorRounding,
-    compute_principal_moments,
-    compute_triangle_excess,
-    measure_tensor_rounding,
-)
+from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, is_world_link
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value
+
+if TYPE_CHECKING:
+    from urdfcheck.facts.inertials.inertia_tensor import TensorRounding
 
 # Where ixx, iyy and izz are in ``ixx ixy ixz iyy iyz izz``.
 _DIAGONAL = (0, 3, 5)
@@ -49,10 +46,12 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
     for declared in model.tensors:
         if is_point_mass(declared.inertial):
             continue
-        excess = -compute_triangle_excess(declared.tensor)
+        excess = -compute_excess(declared.moments)
         if not excess > rel_tol:  # INR004 covers a tensor whose largest moment is not positive
             continue
         # Most models have no such tensor, and do without what a repair needs.
+        from urdfcheck.facts.inertials.inertia_tensor import measure_tensor_rounding
+        from urdfcheck.model.inertials.habits.rotor_inertias import find_rotor_inertias
         from urdfcheck.model.inertials.proposals.possible_tensors import propose_repair
         from urdfcheck.model.inertials.proposals.repeated_formulas import describe_repeated_formula
         from urdfcheck.model.inertials.proposals.undone_mistakes import has_mistake
@@ -69,8 +68,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             continue
         if whole is not None and is_fused:
             if whole.link_is_negligible:
-                moments, _ = compute_principal_moments(declared.tensor)
-                if moments[0] >= -rel_tol * moments[2]:  # else INR004
+                if declared.moments[0] >= -rel_tol * declared.moments[2]:  # else INR004
                     helpers.append(declared)
                 continue
             data |= {"other": whole.heaviest, "whole": join_numbers(whole.moments, digits=4)}
@@ -183,16 +181,16 @@ def _build_rounded_finding(
 
 
 def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding) -> dict[str, Any]:
-    moments, _ = compute_principal_moments(declared.tensor)
+    moments = declared.moments
     # The eigenvalue solver leaves a residue of a zero, which is not a number to print.
-    shown = [0.0 if abs(m) < 1e-12 * moments[2] else float(m) for m in moments]
+    shown = [0.0 if abs(m) < 1e-12 * moments[2] else m for m in moments]
     digits = 4 if excess > 1e-3 else 6  # enough to show the difference
     return {
         "link": declared.link.name,
         "moments": join_numbers(shown, digits=digits),
         "sum": float(f"{shown[0] + shown[1]:.{digits}g}"),
-        "excess": float(excess),
-        "percent": float(excess * 100),
+        "excess": excess,
+        "percent": excess * 100,
         "typed": typed.typed_digits,
         "digits": typed.digits,
         "slips": _COPIED if _is_copied(declared) else _COMPUTED,

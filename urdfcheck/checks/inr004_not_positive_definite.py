@@ -10,23 +10,17 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES, MUJOCO_REFUSAL, is_refused_by_mujoco
-from urdfcheck.facts.inertials.inertia_tensor import (
-    TensorRounding,
-    build_inertia_tensor,
-    compute_principal_moments,
-    compute_triangle_excess,
-    measure_tensor_rounding,
-)
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
+from urdfcheck.facts.small_matrices import compute_excess, compute_moments, make_tensor
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.parts import TENSOR_NAMES
+from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
-from urdfcheck.model.rigid_bodies import compute_body_tensor, find_merged_body, is_point_mass, list_whole_bodies
-from urdfcheck.model.shapes.bounds import has_drawn_shape
+from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, list_whole_bodies, weigh_body
 from urdfcheck.model.use.display import is_loaded_for_frames
 from urdfcheck.source.text.values import parse_number
 
 if TYPE_CHECKING:
+    from urdfcheck.facts.inertials.inertia_tensor import TensorRounding
     from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 
 DIAGONAL = (0, 3, 5)
@@ -75,14 +69,12 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
     helpers: list[DeclaredTensor] = []
     for declared in model.tensors:
         components = declared.components
-        smallest, largest = _compute_moment_extremes(components)
+        moments = declared.moments
+        smallest, largest = moments[0], max(map(abs, moments))
         if is_point_mass(declared.inertial):
             points.append(declared)
         elif smallest <= rel_tol * largest and _is_point_about_origin(declared):
-            is_rounded = (
-                smallest > -rounding * largest
-                and measure_tensor_rounding(declared.texts, rel_tol).explained_by_rounding
-            )
+            is_rounded = smallest > -rounding * largest and _measure_rounding(declared, rel_tol).explained_by_rounding
             yield _build_term_finding(rule, declared, is_possible=smallest >= -rel_tol * largest, is_rounded=is_rounded)
         elif any(components[i] < 0 for i in DIAGONAL) or smallest < -rel_tol * largest:
             whole = find_merged_body(model, declared.link)
@@ -91,7 +83,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
                 declared=declared,
                 smallest=smallest,
                 largest=largest,
-                rounding=measure_tensor_rounding(declared.texts, rel_tol),
+                rounding=_measure_rounding(declared, rel_tol),
                 fused=FUSED.format(whole.heaviest) if whole is not None and possible else "",
             )
             if smallest > -rounding * largest and wrong.rounding.explained_by_rounding:
@@ -100,7 +92,7 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
                 helpers.append(declared)
             else:
                 yield _build_indefinite_finding(model, rule, wrong)
-        elif smallest <= rel_tol * largest and compute_triangle_excess(build_inertia_tensor(components)) >= -rel_tol:
+        elif smallest <= rel_tol * largest and compute_excess(moments) >= -rel_tol:
             lines.append(declared)
     # The tree is built only for these: a rod or a point is harmless if the links fixed to it complete the body.
     yield from _check_singular_links(model, rule, "point", links=points, rel_tol=rel_tol)
@@ -117,16 +109,16 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
         yield replace(finding, subjects=tuple(declared.element.location.subject for declared in helpers))
 
 
-def _compute_moment_extremes(components: Sequence[float]) -> tuple[float, float]:
-    """Return the smallest principal moment and the largest absolute one, in kg m²."""
-    moments, _ = compute_principal_moments(build_inertia_tensor(components))
-    return float(moments[0]), float(abs(moments).max())
+def _measure_rounding(declared: DeclaredTensor, rel_tol: float) -> TensorRounding:
+    from urdfcheck.facts.inertials.inertia_tensor import measure_tensor_rounding  # only broken tensors need numpy
+
+    return measure_tensor_rounding(declared.texts, rel_tol)
 
 
 def _is_possible(components: Sequence[float]) -> bool:
     """Whether the components are those of a possible body."""
-    smallest, largest = _compute_moment_extremes(components)
-    return smallest > 1e-9 * largest and compute_triangle_excess(build_inertia_tensor(components)) >= -1e-9
+    moments = compute_moments(make_tensor(components))
+    return moments[0] > 1e-9 * max(map(abs, moments)) and compute_excess(moments) >= -1e-9
 
 
 def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
@@ -254,10 +246,10 @@ def _check_singular_links(
     for declared in links:
         name = declared.link.name
         body = bodies.get(name)
-        fused = None if body is None else compute_body_tensor(model, body.links)
+        fused = None if body is None else weigh_body(model, body.links)
         if body is None or fused is None:
             continue  # not known to the last link, no mass, or a malformed inertial: other rules
-        moments, _ = compute_principal_moments(fused)
+        moments = fused.moments
         singular = body.is_movable and moments[0] <= rel_tol * moments[2]
         (alone if singular else harmless).append(declared)
     for declared in alone:

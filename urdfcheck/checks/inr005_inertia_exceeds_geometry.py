@@ -55,9 +55,8 @@ from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
 from urdfcheck.model.motion.fixed_base import list_bolted_links
-from urdfcheck.model.parts import TENSOR_NAMES
+from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.model.use.display import is_made_for_display
 

@@ -29,8 +29,8 @@ from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
 from urdfcheck.model.inertials.shared_mistakes import measure_turn_of_tensor
 from urdfcheck.model.motion.fixed_base import list_bolted_links
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 
 if TYPE_CHECKING:

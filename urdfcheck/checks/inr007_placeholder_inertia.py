@@ -23,8 +23,9 @@ from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_neg
 from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, is_untouched, list_unturned_links
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 from urdfcheck.model.use.display import is_loaded_for_frames, is_made_for_display, is_never_weighed
 

@@ -21,8 +21,8 @@ from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, se
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_effects import LIGHT, is_light, is_vast
 from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.parts import has_drawn_shape, is_dummy_shape
 from urdfcheck.model.rigid_bodies import compute_body_tensor, is_point_mass
-from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_role_geometry
 
 if TYPE_CHECKING:

@@ -11,8 +11,9 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.certainty import EXACT
+from urdfcheck.facts.inertials.equivalent_solids import fit_equivalent_box
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, fit_equivalent_box
+from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
@@ -22,8 +23,9 @@ from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.motion.fixed_base import is_ballast
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box, has_drawn_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry, measure_links_volume
 from urdfcheck.model.wheel_names import WHEEL_NAME
@@ -192,7 +194,7 @@ def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
     if tensor is None or any(shape.kind == "mesh" for shape in part.link.visuals):
         return False
     drawn = compute_bounding_box(model, [(shape, np.eye(4)) for shape in part.link.visuals])
-    edges = fit_equivalent_box(part.mass, tensor.tensor)
+    edges = fit_equivalent_box(part.mass, tensor.moments)
     if drawn is None or not min(edges) > 0.0 or not is_part_density(part.mass / math.prod(edges)):
         return False
     return max(edges) > _TOKEN * float(np.linalg.norm(drawn[1] - drawn[0]))

@@ -11,8 +11,8 @@ from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_rigid_bodies
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 
 # A shaft of some grams on a vehicle of a tonne is a part (kg); a milligram is a placeholder, or another unit.
 LEAST_PART = 5e-3

@@ -6,21 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
 from urdfcheck.core import Finding, Rule
-from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
-from urdfcheck.facts.inertials.inertia_tensor import (
-    compute_principal_moments,
-    compute_solid_inertia,
-    compute_triangle_excess,
-)
 from urdfcheck.facts.inertials.materials import guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
-from urdfcheck.facts.median import compute_median
+from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import Link, Model
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_inertia, list_whole_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies, weigh_body
 
 # MuJoCo's mjMINVAL, in kg and kg m², and its error message.
 LEAST = 1e-15
@@ -35,14 +27,13 @@ _TOGETHER = (
 
 def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: float) -> Iterator[Finding]:
     for body in list_whole_bodies(model):
-        inertia = compute_body_inertia(model, body.links) if body.is_movable else None
-        if inertia is None:
+        whole = weigh_body(model, body.links) if body.is_movable else None
+        if whole is None:
             continue  # bolted down, without mass, or malformed: other rules
-        total, _, tensor = inertia
         masses = [model.mass_by_name[name] for name in body.links if name in model.mass_by_name]
         heaviest = max(masses, key=lambda declared: declared.mass)
         declared_tensor = model.tensor_by_name[heaviest.link.name].element
-        smallest, _, largest = compute_principal_moments(tensor)[0].tolist()
+        total, smallest, largest = whole.mass, whole.moments[0], whole.moments[2]
         data: dict[str, Any] = {"link": heaviest.link.name, "mass": total, "smallest": smallest, "largest": largest}
         consequences = {"mujoco": _predict_mujoco(model, body, mass=total, smallest=smallest)}
         if total <= mass:
@@ -56,7 +47,7 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
                 repair=describe_unknown_mass(heaviest.mass) or "write the mass of the part, in kilograms",
                 **data,
             )
-        elif not (largest > 0 and smallest > 1e-9 * largest and compute_triangle_excess(tensor) >= -1e-9):
+        elif not (largest > 0 and smallest > 1e-9 * largest and compute_excess(whole.moments) >= -1e-9):
             continue  # INR003, INR004
         elif math.sqrt(largest / total) < gyration:
             data |= {"radius": math.sqrt(largest / total) * 1e6, **_explain_point(model, body, heaviest.link)}
@@ -82,6 +73,11 @@ def _guess_unit(model: Model, link: Link, mass: float) -> str:
 
 def _explain_point(model: Model, body: RigidLinkGroup, link: Link) -> dict[str, Any]:
     """Return the data of what made the tensor of a body too small, where what its one link with a mass draws shows it."""
+    import numpy as np
+
+    from urdfcheck.facts.inertials.certainty import EXACT
+    from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+    from urdfcheck.facts.median import compute_median
     from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
     from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 

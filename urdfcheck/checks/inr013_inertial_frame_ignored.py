@@ -4,12 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-import numpy as np
-
 from urdfcheck.core import Edit, Finding, Located, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
+from urdfcheck.facts.small_matrices import IDENTITY, make_tensor, measure_change, turn_tensor
 from urdfcheck.model import CompleteInertial, Link, Model
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.source.text.xml import Element
@@ -55,10 +53,11 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
 def _measure_rotation(declared: CompleteInertial, rel_tol: float) -> _RotatedInertial | None:
     """Measure what the rotation of an inertial frame changes; None without a mass, a rotation or a noticeable change."""
     origin = declared.inertial.origin.element
-    if not declared.mass or origin is None:
+    rotation, typed = declared.placement.rotation, make_tensor(declared.components)
+    if not declared.mass or origin is None or rotation == IDENTITY:
         return None
-    largest = float(np.abs(compute_principal_moments(declared.tensor)[0]).max())
-    change = float(np.abs(declared.tensor_in_link - declared.tensor).max())
+    largest = max(map(abs, declared.moments))
+    change = measure_change(turn_tensor(rotation, typed), typed)
     return _RotatedInertial(declared, origin, change / largest) if largest > 0 and change > rel_tol * largest else None
 
 
@@ -72,7 +71,7 @@ def _has_known_mistake(model: Model, link: Link) -> bool:
 def _propose_edits(part: _RotatedInertial) -> list[Edit]:
     """Return the edits that write the tensor in the link's axes and no rotation; nothing if one of the numbers is computed."""
     tensor = part.declared.tensor_in_link
-    residue = 1e-12 * float(np.abs(tensor).max())
+    residue = 1e-12 * float(abs(tensor).max())
     values = [tensor[i, j] if abs(tensor[i, j]) > residue else 0.0 for i in range(3) for j in range(i, 3)]
     components = [(part.declared.get_attribute(i), f"{value:.{DIGITS}g}") for i, value in enumerate(values)]
     return edit_all_numbers([(part.origin.attributes.get("rpy"), "0 0 0"), *components])

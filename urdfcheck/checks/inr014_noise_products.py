@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Applicability, Finding, Rule
-from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.facts.likeness.typed_numbers import flag_noise_products
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.rigid_bodies import is_point_mass
@@ -41,6 +40,5 @@ def _find_noise_products(declared: DeclaredTensor) -> list[Attribute]:
     """Return the products of inertia that are not zero but mean zero."""
     if is_point_mass(declared.inertial):
         return []
-    moments, _ = compute_principal_moments(declared.tensor)
-    noise = flag_noise_products([declared.components[i] for i in PRODUCTS], float(moments[2]))
+    noise = flag_noise_products([declared.components[i] for i in PRODUCTS], declared.moments[2])
     return [declared.get_attribute(i) for i, residue in zip(PRODUCTS, noise, strict=True) if residue]

@@ -6,17 +6,13 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
-from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Model
-from urdfcheck.model.inertials.mesh_density import compute_mesh_density
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.use.display import is_made_for_display
 
 # Osmium, the densest material at room pressure (kg/m³).
@@ -96,6 +92,8 @@ def _is_one_mass(model: Model, masses: Sequence[float]) -> bool:
 
 def _count_unit_densities(model: Model) -> int:
     """Count the links of known volume, if all weigh 1 kg/m³ and not all are one part: the exporter was given no density."""
+    from urdfcheck.model.inertials.mesh_density import compute_mesh_density  # most masses need no volume
+
     measured = [
         (one.mass, density)
         for one in model.masses
@@ -110,6 +108,9 @@ def _name_unit(model: Model, masses: Sequence[float], unit: str) -> str | None:
     those of one robot in one unit, or, in that unit, of parts of no usual density."""
     if all(map(is_round, masses)) or max(masses) > _SPAN * min(masses):
         return None
+    from urdfcheck.facts.median import compute_median
+    from urdfcheck.model.inertials.mesh_density import compute_mesh_density
+
     measured = (compute_mesh_density(model, one) for one in model.masses if one.mass > 0)
     known = [density for density in measured if density is not None]
     return unit if not known or is_part_density(_FACTORS[unit] * compute_median(known)) else None
@@ -222,14 +223,17 @@ def _measure_extent(model: Model, unseen: float, *, enough: float) -> tuple[floa
     are ``enough`` (m) apart and the shapes make no difference.
     """
     try:
-        frames = model.frames
+        places = [placement.place for placement in model.placements.values()]
     except FactUnavailableError:
         return math.inf, False
-    places = [frame[:3, 3] for frame in frames.values()]
-    if min(unseen, 1.0) * float(np.ptp(places, axis=0).max()) >= enough:
+    apart = max(max(along) - min(along) for along in zip(*places, strict=True))
+    if min(unseen, 1.0) * apart >= enough:
         return math.inf, False
+    import numpy as np
+
     from urdfcheck.model.shapes.bounds import compute_bounding_box
 
+    frames = model.frames
     placed = [(s, frames[link.name]) for link in model.links for s in (*link.visuals, *link.collisions)]
     boxes = [compute_bounding_box(model, [item]) for item in placed]
     known = [box for box in boxes if box is not None]

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.inertia_tensor import compute_equivalent_density
+from urdfcheck.facts.inertials.equivalent_solids import compute_equivalent_density
 from urdfcheck.facts.inertials.materials import describe_density, format_density
 from urdfcheck.model import DeclaredMass, Model
-from urdfcheck.model.inertials.mesh_density import compute_mesh_density, find_tenfold_density
 from urdfcheck.model.shapes.solids import measure_link_solid
 from urdfcheck.model.use.display import is_loaded_for_frames
 
@@ -22,11 +21,7 @@ def check(
     model: Model, rule: Rule, *, mesh_tol: float, solid_tol: float, fraction: float, evidence: int
 ) -> Iterator[Finding]:
     heavy = [declared for declared in model.masses if declared.mass > 0]
-    measured = {
-        declared.link.name: density
-        for declared in heavy
-        if (density := compute_mesh_density(model, declared)) is not None
-    }
+    measured = _measure_densities(model, heavy)
     yield from _check_tenfold(model, rule, measured, tolerance=mesh_tol, evidence=evidence)
     for default, cause in DEFAULTS.items():
         densities: dict[str, float] = {}
@@ -58,6 +53,16 @@ def check(
         )
 
 
+def _measure_densities(model: Model, heavy: Sequence[DeclaredMass]) -> dict[str, float]:
+    """Measure the densities of the links whose meshes were read (kg/m³), by the link's name."""
+    if not model.meshes.facts:
+        return {}
+    from urdfcheck.model.inertials.mesh_density import compute_mesh_density  # loads numpy
+
+    densities = {declared.link.name: compute_mesh_density(model, declared) for declared in heavy}
+    return {name: density for name, density in densities.items() if density is not None}
+
+
 def _is_felt(model: Model) -> bool:
     """Whether a joint moves a mass of the model, and the project is not known to display it alone."""
     return any(joint.is_movable for joint in model.joints) and not is_loaded_for_frames(model)
@@ -70,6 +75,7 @@ def _check_tenfold(
     point."""
     if len(measured) < evidence:
         return
+    from urdfcheck.model.inertials.mesh_density import find_tenfold_density
     from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity
 
     densities = {
@@ -106,7 +112,7 @@ def _match_solid_density(model: Model, declared: DeclaredMass, *, default: float
         return None
     if measure_link_solid(model, link) is not None or not _has_positive_moments(tensor.components):
         return None
-    equivalent = compute_equivalent_density(declared.mass, tensor.tensor)
+    equivalent = compute_equivalent_density(declared.mass, tensor.moments)
     for density in (equivalent.box, equivalent.cylinder):
         if density is not None and _is_near(density, default, tolerance):
             return density

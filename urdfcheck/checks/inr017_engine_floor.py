@@ -8,7 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_LEAST_MOMENT, is_refused_by_mujoco
-from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
+from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.rigid_bodies import is_point_mass
 
@@ -35,13 +35,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_possible_body(declared: DeclaredTensor) -> bool:
     """Whether a solid body can have the tensor; INR003 and INR004 cover the others."""
-    moments = compute_principal_moments(declared.tensor)[0]
+    moments = declared.moments
     return (
         not is_point_mass(declared.inertial)
-        and bool(moments[0] > _REL_TOL * moments[2])
-        and compute_triangle_excess(declared.tensor) >= -_REL_TOL
+        and moments[0] > _REL_TOL * moments[2]
+        and compute_excess(moments) >= -_REL_TOL
     )
 
 
 def _compute_smallest_moment(declared: DeclaredTensor) -> float:
-    return float(compute_principal_moments(declared.tensor)[0][0])
+    return declared.moments[0]

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-
-import numpy as np
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length, join_names
-from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.model import CompleteInertial, Model
 from urdfcheck.model.inertials.reach import (
     has_placed_frame,
@@ -19,9 +17,7 @@ from urdfcheck.model.inertials.reach import (
     measure_reach,
 )
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
-from urdfcheck.model.parts import Link
-from urdfcheck.model.shapes.bounds import has_drawn_shape
-from urdfcheck.model.shapes.corners import collect_body_corners, has_known_shapes
+from urdfcheck.model.parts import Link, has_drawn_shape
 
 # What a length is multiplied by when the COM is typed in another unit than metres, and the radius of gyration when the tensor is
 # in another than kg·m²: the square root of the unit's factor.
@@ -121,13 +117,10 @@ def _measure_lengths(declared: CompleteInertial) -> tuple[float, float, float] |
     """Measure the distance of the COM from the link's frame, the largest spread along an axis, and that along all three (m)."""
     if not declared.mass > 0:
         return None
-    with np.errstate(all="ignore"):
-        covariance = compute_mass_covariance(declared.tensor_in_link, declared.mass)
-        com = float(np.linalg.norm(declared.pose[:3, 3]))
-    if not (np.isfinite(covariance).all() and np.isfinite(com)):
-        return None
-    spread = max(0.0, float(np.linalg.eigvalsh(covariance)[-1])) ** 0.5
-    return com, spread, max(0.0, float(np.trace(covariance))) ** 0.5
+    # A second moment is half the sum of the moments of inertia, less the one about its own axis.
+    total = sum(declared.moments) / 2.0
+    spread = max(0.0, (total - declared.moments[0]) / declared.mass) ** 0.5
+    return math.hypot(*declared.placement.place), spread, max(0.0, total / declared.mass) ** 0.5
 
 
 def _describe_typed(message: str, far: _FarLink) -> str | None:
@@ -147,6 +140,7 @@ def _is_unknown(model: Model, name: str, index: int, distance: float) -> bool:
     # Few models have a link that is so far away: the others do without the geometry of inertials.
     from urdfcheck.model.inertials.inertial_effects import is_at_long_lever
     from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, compute_body_shares, is_massless_frame
+    from urdfcheck.model.shapes.corners import collect_body_corners
 
     if is_massless_frame(model.link_by_name[name]):
         return False
@@ -220,6 +214,8 @@ def _build_finding(
 
 def _describe_near(model: Model, message: str, far: _FarLink) -> str:
     """Say how far what the file places on a link reaches, as a sentence about its COM or a clause about its tensor."""
+    from urdfcheck.model.shapes.corners import has_known_shapes
+
     body = model.tree.list_body_links(far.link.name)
     if not all(has_known_shapes(model, model.link_by_name[name]) for name in body):
         return _UNREAD[message].format(_format_own(far))

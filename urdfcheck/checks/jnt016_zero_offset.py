@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule
+from urdfcheck.facts.small_matrices import find_turn, multiply_inner, multiply_outer
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.rigid_bodies import compute_body_inertia
 
@@ -32,17 +33,13 @@ def check(
 
 def _measure_turn_about_axis(joint: Joint, parallel: float) -> float | None:
     """Return the angle (rad) of an origin that only turns about the joint's own axis, or None for any other rotation."""
-    import numpy as np
-
-    from urdfcheck.facts.motion.kinematics import compute_axis_angle
-
-    matrix, axis = joint.origin.matrix, joint.axis
+    placement, axis = joint.origin.placement, joint.axis
     length = 0.0 if axis is None else math.hypot(*axis)
-    if matrix is None or axis is None or length == 0:
+    if placement is None or axis is None or length == 0:
         return None
-    about, angle = compute_axis_angle(matrix[:3, :3])
-    along = float(np.dot(about, axis)) / length
-    off = float(np.linalg.norm(np.cross(about, axis))) / length
+    about, angle = find_turn(placement.rotation)
+    along = multiply_inner(about, axis) / length
+    off = math.hypot(*multiply_outer(about, axis)) / length
     return math.copysign(angle, along) if off <= parallel and angle > 0 else None
 
 

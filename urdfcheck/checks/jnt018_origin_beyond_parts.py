@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.merging import build_group_finding
@@ -13,13 +12,13 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.motion.far_origins import FarOrigin, FarThresholds, find_far_origins
-from urdfcheck.model.motion.loose_parts import LoosePart, OriginChange, find_loose_part
 from urdfcheck.model.repairs.edits import edit_values, read_typed_text
 from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
+from urdfcheck.model.shapes.primitive_boxes import has_only_touching_primitives
 
 if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
+    from urdfcheck.model.motion.loose_parts import LoosePart, OriginChange
 
 
 # What a length is multiplied by when it is typed in another unit than metres.
@@ -49,7 +48,7 @@ def check(
     limits = FarThresholds(drawn=drawn, undrawn=undrawn, least=least, least_fixed=least_fixed, apart=apart)
     found = find_far_origins(model, limits)
     if not found:
-        part = find_loose_part(model, loose)
+        part = _find_loose_part(model, loose)
         if part is not None and (part.change is not None or part.share >= unexplained):
             yield _report_loose(rule, part)
         return
@@ -57,7 +56,7 @@ def check(
     restored = _restore_by_twins(model, found)
     if restored is not None:
         cause, place = "twin", {"twin": restored[0].name}
-        places: list[Array] | None = [restored[1]]
+        places: list[Sequence[float]] | None = [restored[1]]
     else:
         units = [unit for unit, factor in UNITS.items() if all(_fits(far, factor) for far in found)]
         tenfold = all(_fits(far, TENFOLD) for far in found)
@@ -65,7 +64,7 @@ def check(
         words += ["with the decimal point one place too far right (ten times the length)"] if tenfold else []
         cause, place = ("unit" if words else ""), {"ways": ", or ".join(words)}
         decided = len(units) == 1 and not tenfold and all(far.gap is not None for far in found)
-        places = [np.array(far.joint.origin.xyz) / UNITS[units[0]] for far in found] if decided else None
+        places = [[part / UNITS[units[0]] for part in far.joint.origin.xyz or ()] for far in found] if decided else None
     edits = [] if places is None else _propose_edits([far.joint for far in found], places)
     yield build_group_finding(
         rule,
@@ -86,6 +85,15 @@ def check(
         sizes=format_length(farthest.sizes),
         **{"ways": "", "twin": "", **place},
     )
+
+
+def _find_loose_part(model: Model, least: float) -> LoosePart | None:
+    has_unread_mesh = any(model.meshes.get_facts(use.shape) is None for use in model.meshes.uses)
+    if has_unread_mesh or has_only_touching_primitives(model):
+        return None  # not known, or none is loose
+    from urdfcheck.model.motion.loose_parts import find_loose_part  # loads numpy
+
+    return find_loose_part(model, least)
 
 
 def _report_loose(rule: Rule, part: LoosePart) -> Finding:
@@ -131,25 +139,31 @@ def _fits(far: FarOrigin, factor: float) -> bool:
     """Whether a joint so many times nearer is where joints are: no farther than others, and its parts touch."""
     if far.others is not None and far.length / factor > USUAL * far.others:
         return False
-    gap = far.measure_gap(np.array(far.joint.origin.xyz) / factor)
+    gap = far.measure_gap([part / factor for part in far.joint.origin.xyz or ()])
     return gap is None or gap <= TOUCHING * far.sizes
 
 
-def _restore_by_twins(model: Model, found: Sequence[FarOrigin]) -> tuple[Joint, Array] | None:
-    """Return a joint like the only far one, and the xyz (3,) in m that has its numbers except for a unit or a decimal point."""
+def _restore_by_twins(model: Model, found: Sequence[FarOrigin]) -> tuple[Joint, Sequence[float]] | None:
+    """Return a joint like the only far one, and the xyz in m that has its numbers except for a unit or a decimal point."""
     if len(found) != 1 or found[0].others is None:
         return None
     joint = found[0].joint
-    now = np.array(joint.origin.xyz)
-    candidates = [now / factor for factor in (*UNITS.values(), TENFOLD)]
-    candidates += [np.where(np.arange(3) == axis, now / slip, now) for axis in range(3) if now[axis] for slip in SLIPS]
+    now = joint.origin.xyz or ()
+    candidates = [[part / factor for part in now] for factor in (*UNITS.values(), TENFOLD)]
+    candidates += [
+        [part / slip if i == axis else part for i, part in enumerate(now)]
+        for axis in range(len(now))
+        if now[axis]
+        for slip in SLIPS
+    ]
     name = remove_places(joint.name)
     for other in model.joints:
         if other is joint or other.type != joint.type or remove_places(other.name) != name or other.origin.xyz is None:
             continue
-        like = np.abs(other.origin.xyz)
+        like = [abs(part) for part in other.origin.xyz]
         for place in candidates:
-            if np.abs(np.abs(place) - like).max() <= SAME * float(np.linalg.norm(like)):
+            off = max(abs(abs(part) - wanted) for part, wanted in zip(place, like, strict=True))
+            if off <= SAME * math.hypot(*like):
                 return other, place
     return None
 
@@ -159,11 +173,11 @@ def _describe_space(far: FarOrigin) -> str:
     return f"; what is drawn on both sides measures {sizes} together, and {gap} lie between"
 
 
-def _propose_edits(joints: Sequence[Joint], places: Sequence[Array]) -> list[Edit]:
+def _propose_edits(joints: Sequence[Joint], places: Sequence[Sequence[float]]) -> list[Edit]:
     changes = []
     for joint, place in zip(joints, places, strict=True):
         attribute = joint.origin.get_attribute("xyz")
         if attribute is None:
             return []
-        changes.append((attribute, write_numbers(read_typed_text(attribute), place.tolist())))
+        changes.append((attribute, write_numbers(read_typed_text(attribute), place)))
     return edit_values(changes)

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names, join_numbers
+from urdfcheck.facts.small_matrices import (
+    IDENTITY,
+    Matrix,
+    Vector,
+    list_entries,
+    measure_rotation,
+    multiply,
+    multiply_inner,
+    rotate,
+    transpose,
+)
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import CAMERA_TYPE, FRAME_TAGS, GazeboSensor, list_sensors
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
@@ -18,7 +28,8 @@ from urdfcheck.source.text.values import parse_number
 # Frames allowed above base_link: the fixed world, frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
 # x to the right, y down, z forward, seen from a camera link with x forward and z up (REP 103).
-_OPTICAL = np.array([[0.0, 0.0, 1.0], [-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+_OPTICAL: Matrix = ((0.0, 0.0, 1.0), (-1.0, 0.0, 0.0), (0.0, -1.0, 0.0))
+_FORWARD: Vector = (1.0, 0.0, 0.0)
 # The sensors of Gazebo that make clouds of points.
 _CLOUD_TYPE = re.compile(r"^(?:depth_camera|rgbd(?:_camera)?)$")
 # Frames of inertial sensors in cameras, which drivers give the word too: no picture is in them.
@@ -63,19 +74,20 @@ def _check_tool_frame(model: Model, joint: Joint, rule: Rule, tol: float) -> Ite
 
     The axis of the last moving joint points there too, and shows which of the two frames is wrong.
     """
-    matrix = joint.origin.matrix
-    if matrix is None or joint.type != "fixed":
+    placement = joint.origin.placement
+    if placement is None or joint.type != "fixed":
         return
-    off = _measure_angle(matrix[:3, 2], np.eye(3)[0])
+    forward = _get_column(placement.rotation, 2)
+    off = _measure_angle(forward, _FORWARD)
     if off <= tol:
         return
     last, axis = _find_last_axis(model, joint.parent)
     message = "tool_or_flange"
-    if last is not None and _is_parallel(axis, np.eye(3)[0], tol):
+    if last is not None and _is_parallel(axis, _FORWARD, tol):
         message = "tool"
-    elif last is not None and _is_parallel(axis, matrix[:3, 2], tol):
+    elif last is not None and _is_parallel(axis, forward, tol):
         message = "flange"
-        off = min(_measure_angle(sign * axis, np.eye(3)[0]) for sign in (1.0, -1.0))
+        off = min(_measure_angle(way, _FORWARD) for way in (axis, _reverse(axis)))
     before = model.tree.parent_joint.get(joint.parent)
     if message == "flange" and before is not None:
         at, related = locate_origin_attribute(before, "rpy"), [locate_origin_attribute(joint, "rpy")]
@@ -92,51 +104,64 @@ def _check_tool_frame(model: Model, joint: Joint, rule: Rule, tol: float) -> Ite
     )
 
 
-def _find_last_axis(model: Model, link: str) -> tuple[Joint | None, np.ndarray]:
-    """Find the last moving joint before a link, and its axis (3,) in the link's frame."""
-    rotation = np.eye(3)
+def _find_last_axis(model: Model, link: str) -> tuple[Joint | None, Vector]:
+    """Find the last moving joint before a link, and its axis in the link's frame."""
+    rotation = IDENTITY
     for joint in reversed(model.tree.find_path_to(link)):
         if joint.is_movable:
-            axis = np.array(joint.axis or (0.0, 0.0, 0.0), dtype=float)
-            length = float(np.linalg.norm(axis))
-            return (joint, rotation.T @ axis / length) if joint.has_axis and length > 0.0 else (None, axis)
-        if joint.origin.matrix is None:
+            axis = joint.axis or (0.0, 0.0, 0.0)
+            length = math.hypot(*axis)
+            if not joint.has_axis or not length > 0.0:
+                break
+            return joint, rotate(transpose(rotation), [part / length for part in axis])
+        if joint.origin.placement is None:
             break
-        rotation = joint.origin.matrix[:3, :3] @ rotation
-    return None, np.zeros(3)
+        rotation = multiply(joint.origin.placement.rotation, rotation)
+    return None, (0.0, 0.0, 0.0)
 
 
-def _is_parallel(one: np.ndarray, other: np.ndarray, tol: float) -> bool:
-    return min(_measure_angle(one, other), _measure_angle(-one, other)) <= tol
+def _get_column(matrix: Matrix, index: int) -> Vector:
+    return transpose(matrix)[index]
 
 
-def _measure_angle(one: np.ndarray, other: np.ndarray) -> float:
-    """Return the angle (rad) between two unit vectors (3,)."""
-    return float(np.arccos(np.clip(one @ other, -1.0, 1.0)))
+def _reverse(vector: Vector) -> Vector:
+    x, y, z = vector
+    return -x, -y, -z
+
+
+def _is_parallel(one: Vector, other: Vector, tol: float) -> bool:
+    return min(_measure_angle(one, other), _measure_angle(_reverse(one), other)) <= tol
+
+
+def _measure_angle(one: Vector, other: Vector) -> float:
+    """Return the angle (rad) between two unit vectors."""
+    return math.acos(max(-1.0, min(1.0, multiply_inner(one, other))))
 
 
 def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Finding]:
     """Report all optical frames with one wrong rotation together: they come from one habit."""
     posed = {s.reference for s in list_sensors(model) if CAMERA_TYPE.search(s.type) and _has_rotated_pose(s)}
     stamped = _collect_cloud_frames(model)
-    wrong: dict[tuple[int, ...], tuple[np.ndarray, list[Joint]]] = {}
+    wrong: dict[tuple[int, ...], tuple[Matrix, list[Joint]]] = {}
     for joint in model.joints:
-        matrix = joint.origin.matrix
-        if joint.type != "fixed" or matrix is None or not _is_optical_frame(joint.child, joint.parent):
+        placement = joint.origin.placement
+        if joint.type != "fixed" or placement is None or not _is_optical_frame(joint.child, joint.parent):
             continue
         if joint.parent in posed or joint.child in posed:
             continue  # the camera looks elsewhere than along the x axis of its link, and so may the frame
-        rotation = matrix[:3, :3]
-        if joint.child in stamped and _measure_rotation_angle(rotation) <= tol:
+        rotation = placement.rotation
+        if joint.child in stamped and measure_rotation(rotation) <= tol:
             continue
-        if _measure_rotation_angle(rotation @ _OPTICAL.T) > tol and not _is_optical_in_root(model, joint, tol):
-            key = tuple(np.round(rotation * 1e3).astype(int).ravel())
+        if measure_rotation(multiply(rotation, transpose(_OPTICAL))) > tol and not _is_optical_in_root(
+            model, joint, tol
+        ):
+            key = tuple(round(entry * 1e3) for entry in list_entries(rotation))
             wrong.setdefault(key, (rotation, []))[1].append(joint)
     for rotation, joints in wrong.values():
         places = [locate_origin_attribute(joint, "rpy") for joint in joints]
         names = list(dict.fromkeys(joint.child for joint in joints))
         finding = rule.finding(
-            "optical-unturned" if _measure_rotation_angle(rotation) <= tol else "optical",
+            "optical-unturned" if measure_rotation(rotation) <= tol else "optical",
             at=places[0],
             related=places[1:],
             names=join_names(names, 3),
@@ -144,8 +169,8 @@ def _check_optical_frames(model: Model, rule: Rule, tol: float) -> Iterator[Find
             frame="frame" if len(names) == 1 else "frames",
             verb="has" if len(names) == 1 else "have",
             looks="looks" if len(names) == 1 else "look",
-            look=_describe_direction(rotation[:, 2]),
-            top=_describe_direction(-rotation[:, 1]),
+            look=_describe_direction(_get_column(rotation, 2)),
+            top=_describe_direction(_reverse(_get_column(rotation, 1))),
             first=_describe_sensor_move(model, joints),
             typed=join_numbers(joints[0].origin.rpy or (), separator=" "),
         )
@@ -167,8 +192,8 @@ def _has_rotated_pose(sensor: GazeboSensor) -> bool:
 
 def _is_optical_in_root(model: Model, joint: Joint, tol: float) -> bool:
     """Whether a frame looks level with the top of its picture up, because the camera link is rotated against the root."""
-    parent, frame = model.frames[joint.parent][:3, :3], model.frames[joint.child][:3, :3]
-    return _measure_rotation_angle(parent) > tol and float(frame[2, 1]) < -np.cos(tol)
+    parent, frame = model.placements[joint.parent].rotation, model.placements[joint.child].rotation
+    return measure_rotation(parent) > tol and frame[2][1] < -math.cos(tol)
 
 
 def _describe_sensor_move(model: Model, joints: Sequence[Joint]) -> str:
@@ -197,13 +222,8 @@ def _is_optical_frame(child: str, parent: str) -> bool:
     return _FRAME_SUFFIX.sub("", child.lower()) == _FRAME_SUFFIX.sub("", parent.lower())
 
 
-def _measure_rotation_angle(rotation: np.ndarray) -> float:
-    """Return the angle (rad) of a rotation matrix."""
-    return float(np.arccos(np.clip((np.trace(rotation) - 1.0) / 2.0, -1.0, 1.0)))
-
-
-def _describe_direction(vector: np.ndarray) -> str:
+def _describe_direction(vector: Vector) -> str:
     """Return the main direction of a unit vector in a camera link (x forward, y left, z up)."""
-    axis = int(np.abs(vector).argmax())
+    axis = max(range(3), key=lambda i: abs(vector[i]))
     names = (("back", "forward"), ("right", "left"), ("down", "up"))
-    return names[axis][int(vector[axis] > 0)]
+    return names[axis][vector[axis] > 0]

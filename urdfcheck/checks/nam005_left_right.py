@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-import numpy as np
-
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.arrays import Array
+from urdfcheck.facts.small_matrices import IDENTITY, Matrix, measure_change, rotate, subtract, transpose
 from urdfcheck.model import Joint, Model
 
 # The words of a name and the text between them.
@@ -103,35 +102,35 @@ def _is_driven(model: Model, pair: _LimbPair) -> bool:
 
 def _find_limb_pairs(model: Model, apart: float) -> Iterator[_LimbPair]:
     """Yield each pair of limbs whose names differ in the side and which are ``apart`` (m) across the body, not along it."""
-    tree, frames = model.tree, model.frames
+    tree, placements = model.tree, model.placements
     yielded: set[tuple[str, str]] = set()
     for name in tree.order:
         for other in _generate_right_names(name):
-            if other not in frames:
+            if other not in placements:
                 continue
             paths = tree.find_path_to(name), tree.find_path_to(other)
             shared = _count_shared_joints(*paths)
             if shared in {len(paths[0]), len(paths[1])}:  # one carries the other
                 continue
             left, right = paths[0][shared], paths[1][shared]
-            body = frames[left.parent]
-            distance = body[:3, :3].T @ (frames[name][:3, 3] - frames[other][:3, 3])
-            across = abs(distance[1]) >= max(apart, 0.5 * float(np.linalg.norm(distance)))
+            body = placements[left.parent].rotation
+            distance = rotate(transpose(body), subtract(placements[name].place, placements[other].place))
+            across = abs(distance[1]) >= max(apart, 0.5 * math.hypot(*distance))
             if across and (left.name, right.name) not in yielded and _can_tell_sides(body, left, right):
                 yielded.add((left.name, right.name))
-                yield _LimbPair(left, right, (name, other), float(distance[1]))
+                yield _LimbPair(left, right, (name, other), distance[1])
 
 
-def _can_tell_sides(body: Array, left: Joint, right: Joint) -> bool:
+def _can_tell_sides(body: Matrix, left: Joint, right: Joint) -> bool:
     """Whether left and right can only be those of the robot.
 
     Not on a body that is rotated against the root, not for the fingers of a gripper, which can be mounted either way, and not
     for fixed parts that face backwards or upside down.
     """
-    if np.abs(body[:3, :3] - np.eye(3)).max() > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":
+    if measure_change(body, IDENTITY) > _ALIGNMENT_TOLERANCE or left.type == right.type == "prismatic":
         return False
-    turns = [joint.origin.matrix for joint in (left, right) if joint.type == "fixed"]
-    return all(turn is not None and turn[0, 0] > 0.0 and turn[2, 2] > 0.0 for turn in turns)
+    fixed = [joint.origin.placement for joint in (left, right) if joint.type == "fixed"]
+    return all(one is not None and one.rotation[0][0] > 0.0 and one.rotation[2][2] > 0.0 for one in fixed)
 
 
 def _count_shared_joints(one: tuple[Joint, ...], other: tuple[Joint, ...]) -> int:

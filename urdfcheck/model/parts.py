@@ -11,6 +11,14 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.small_matrices import (
+    Placement,
+    Vector,
+    compute_moments,
+    make_quaternion_rotation,
+    make_rotation,
+    make_tensor,
+)
 from urdfcheck.source.text.values import MAX_MAGNITUDE, is_computable, read_attribute_number, read_attribute_numbers
 from urdfcheck.source.text.xml import Attribute, Element
 
@@ -24,6 +32,9 @@ TENSOR_NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 GROUND_NAMES = frozenset({"world", "map"})
 # A joint with less room stands still (chosen): half a degree, a tenth of a millimetre.
 _HELD_RANGE = {"rad": 0.01, "m": 1e-4}
+# A primitive of at most 5 mm is a dummy: published models write one where some parser wants a shape (boxes of 1 mm in PR2 and
+# the Shadow hand, of 5 mm in RotorS).
+MAX_DUMMY_SIZE = 0.005
 GEOMETRY_TAGS = ("mesh", "box", "cylinder", "sphere", "capsule")
 
 
@@ -45,20 +56,25 @@ class Pose:
         return None if self.element is None else self.element.attributes.get(name)
 
     @cached_property
-    def matrix(self) -> Array | None:
-        """4x4, child to parent; None when a number is malformed. ``quat_xyzw`` applies where ``rpy`` is absent."""
-        from urdfcheck.facts.motion.kinematics import build_origin_transform, quaternion_to_matrix
-
+    def placement(self) -> Placement | None:
+        """Child to parent; None when a number is malformed. ``quat_xyzw`` applies where ``rpy`` is absent."""
         xyz, rpy = self.xyz, self.rpy
         if xyz is None or rpy is None:
             return None
-        placed = build_origin_transform(xyz, rpy)
-        if self.get_attribute("quat_xyzw") is not None and self.get_attribute("rpy") is None:
-            quaternion = _read_numbers(self.element, "quat_xyzw", count=4, default=())
-            if quaternion is None or not any(quaternion):
-                return None
-            placed[:3, :3] = quaternion_to_matrix(quaternion)
-        return placed
+        x, y, z = xyz
+        if self.get_attribute("quat_xyzw") is None or self.get_attribute("rpy") is not None:
+            return Placement(make_rotation(rpy), (x, y, z))
+        quaternion = _read_numbers(self.element, "quat_xyzw", count=4, default=())
+        if quaternion is None or not any(quaternion):
+            return None
+        return Placement(make_quaternion_rotation(quaternion), (x, y, z))
+
+    @cached_property
+    def matrix(self) -> Array | None:
+        """The `placement` as an array, 4x4."""
+        from urdfcheck.facts.motion.kinematics import build_transform
+
+        return None if self.placement is None else build_transform(self.placement)
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,6 +106,11 @@ class Inertial:
         """ixx ixy ixz iyy iyz izz as typed; None unless all six are numbers."""
         values = [_read_number(self.tensor_element, name) for name in TENSOR_NAMES]
         return None if any(v is None for v in values) else tuple(v for v in values if v is not None)
+
+    @cached_property
+    def moments(self) -> Vector | None:
+        """The principal moments, ascending."""
+        return None if self.inertia_components is None else compute_moments(make_tensor(self.inertia_components))
 
     @cached_property
     def tensor(self) -> Array | None:
@@ -166,6 +187,12 @@ class Shape:
         return self.element.location
 
 
+def is_dummy_shape(shape: Shape) -> bool:
+    """Whether a shape is a primitive too small to be meant as a part."""
+    size = shape.size
+    return shape.kind != "mesh" and size is not None and max(map(abs, size)) <= MAX_DUMMY_SIZE
+
+
 def locate_geometry(shape: Shape) -> Location:
     """Return where the geometry of a shape is typed: the name of its mesh, or the primitive."""
     return (
@@ -203,6 +230,11 @@ class Link:
         return self.element.location
 
 
+def has_drawn_shape(link: Link) -> bool:
+    """Whether a link has a shape that is meant as a part."""
+    return any(not is_dummy_shape(shape) for shape in (*link.visuals, *link.collisions))
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class DeclaredMass:
     """The mass of a link that is typed as a number."""
@@ -233,8 +265,20 @@ class DeclaredTensor:
     """The ``<inertia>``."""
     components: tuple[float, ...]
     """ixx ixy ixz iyy iyz izz in kg m²."""
-    tensor: Array
-    """(3, 3) in kg m² about the COM, in the axes of the inertial frame."""
+
+    @property
+    def tensor(self) -> Array:
+        """(3, 3) in kg m² about the COM, in the axes of the inertial frame."""
+        tensor = self.inertial.tensor
+        assert tensor is not None  # see from_link
+        return tensor
+
+    @property
+    def moments(self) -> Vector:
+        """The principal moments in kg m², ascending."""
+        moments = self.inertial.moments
+        assert moments is not None  # see from_link
+        return moments
 
     @property
     def texts(self) -> list[str]:
@@ -249,16 +293,13 @@ class DeclaredTensor:
     def from_link(cls, link: Link) -> DeclaredTensor | None:
         """Return the tensor of a link, or None if a component is missing or malformed."""
         inertial = link.inertial
-        if inertial is None or inertial.tensor_element is None:
-            return None
-        if inertial.inertia_components is None or inertial.tensor is None:
+        if inertial is None or inertial.tensor_element is None or inertial.inertia_components is None:
             return None
         return cls(
             link=link,
             inertial=inertial,
             element=inertial.tensor_element,
             components=inertial.inertia_components,
-            tensor=inertial.tensor,
         )
 
 
@@ -268,26 +309,36 @@ class CompleteInertial(DeclaredTensor):
 
     mass: float
     """kg, possibly zero or negative."""
-    pose: Array
-    """(4, 4) from the inertial frame to the link frame: the COM in m and the axes."""
-    tensor_in_link: Array
-    """(3, 3) in kg m² about the COM, in the axes of the link frame."""
+    placement: Placement
+    """From the inertial frame to the link frame: the COM in m and the axes."""
+
+    @property
+    def pose(self) -> Array:
+        """(4, 4), the `placement`."""
+        pose = self.inertial.origin.matrix
+        assert pose is not None  # see from_tensor
+        return pose
+
+    @property
+    def tensor_in_link(self) -> Array:
+        """(3, 3) in kg m² about the COM, in the axes of the link frame."""
+        tensor = self.inertial.tensor_in_link
+        assert tensor is not None  # see from_tensor
+        return tensor
 
     @classmethod
     def from_tensor(cls, declared: DeclaredTensor) -> CompleteInertial | None:
         """Complete a tensor by mass and pose; None if one of them is missing or malformed."""
         inertial = declared.inertial
-        if inertial.mass is None or inertial.origin.matrix is None or inertial.tensor_in_link is None:
+        if inertial.mass is None or inertial.origin.placement is None:
             return None
         return cls(
             link=declared.link,
             inertial=inertial,
             element=declared.element,
             components=declared.components,
-            tensor=declared.tensor,
             mass=inertial.mass,
-            pose=inertial.origin.matrix,
-            tensor_in_link=inertial.tensor_in_link,
+            placement=inertial.origin.placement,
         )
 
 

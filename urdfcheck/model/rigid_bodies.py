@@ -2,10 +2,21 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.small_matrices import (
+    Matrix,
+    Vector,
+    add_parallel_axis,
+    add_tensors,
+    compute_moments,
+    make_tensor,
+    subtract,
+    turn_tensor,
+)
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link
 from urdfcheck.model.robot import Model
@@ -29,6 +40,23 @@ class RigidLinkGroup:
     """``links[0]`` is the nearest to the root."""
     is_movable: bool
     """Whether they hang on a joint that moves."""
+
+
+@dataclass(frozen=True, eq=False)
+class WeighedBody:
+    """Links together, in root coordinates."""
+
+    mass: float
+    """kg"""
+    com: Vector
+    """m"""
+    tensor: Matrix
+    """kg m² about the COM."""
+
+    @cached_property
+    def moments(self) -> Vector:
+        """The principal moments in kg m², ascending."""
+        return compute_moments(self.tensor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,33 +164,38 @@ def compute_body_tensor(model: Model, links: tuple[str, ...]) -> Array | None:
 
 @fact
 def compute_body_inertia(model: Model, links: tuple[str, ...]) -> tuple[float, Array, Array] | None:
-    """Compute mass in kg, COM (3,) in m and the tensor of `compute_body_tensor`, in root coordinates; None as there.
+    """Return what `weigh_body` does as mass in kg, COM (3,) in m and tensor (3, 3) in kg m².
 
-    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    :raises FactUnavailableError: as there.
     """
     import numpy as np
 
-    from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term
+    whole = weigh_body(model, links)
+    return None if whole is None else (whole.mass, np.array(whole.com), np.array(whole.tensor))
 
+
+@fact
+def weigh_body(model: Model, links: tuple[str, ...]) -> WeighedBody | None:
+    """Compute mass, COM and inertia tensor of some links together; None when an inertial is malformed or they have no mass.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
     inertials = [
-        (model.piece_frames[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None
+        (model.piece_placements[name], i) for name in links if (i := model.link_by_name[name].inertial) is not None
     ]
-    parts: list[tuple[float, Array, Array]] = []
+    parts: list[tuple[float, Vector, Matrix]] = []
     for frame, inertial in inertials:
-        matrix, tensor = inertial.origin.matrix, inertial.tensor_in_link
-        if inertial.mass is None or matrix is None or tensor is None:
+        origin, components = inertial.origin.placement, inertial.inertia_components
+        if inertial.mass is None or origin is None or components is None:
             return None
-        turn = frame[:3, :3]
-        parts.append((inertial.mass, turn @ matrix[:3, 3] + frame[:3, 3], turn @ tensor @ turn.T))
+        placed = frame.carry(origin)
+        parts.append((inertial.mass, placed.place, turn_tensor(placed.rotation, make_tensor(components))))
     total = sum(mass for mass, _, _ in parts)
     if not total > 0:
         return None
-    com = sum((mass * place for mass, place, _ in parts), np.zeros(3)) / total
-    summed = np.zeros((3, 3))
-    for mass, place, tensor in parts:
-        lever = place - com
-        summed += tensor + compute_parallel_axis_term(mass, lever)
-    return total, com, summed
+    x, y, z = (sum(mass * place[axis] for mass, place, _ in parts) / total for axis in range(3))
+    about_com = [add_parallel_axis(tensor, mass, subtract(place, (x, y, z))) for mass, place, tensor in parts]
+    return WeighedBody(total, (x, y, z), add_tensors(about_com))
 
 
 def find_merged_body(model: Model, link: Link) -> MergedBody | None:
@@ -172,29 +205,17 @@ def find_merged_body(model: Model, link: Link) -> MergedBody | None:
     """
     try:
         names = model.pieces.list_body_links(link.name)
-        moments, total = _compute_body_moments(model, names), compute_body_mass(model, names)
+        whole = weigh_body(model, names)
     except FactUnavailableError:
         return None
-    if link.inertial is None:
+    if link.inertial is None or whole is None:
         return None
     heaviest = next((name for name in _find_two_heaviest(model, names) if name != link.name), "")
-    if moments is None or total is None or not heaviest or not _get_link_mass(model, heaviest) > 0:
+    if not heaviest or not _get_link_mass(model, heaviest) > 0:
         return None
     largest = max(map(abs, link.inertial.inertia_components or (0.0,)))
-    negligible = _get_link_mass(model, link.name) <= NEGLIGIBLE * total and largest <= NEGLIGIBLE * moments[0]
-    return MergedBody(heaviest, moments, negligible)
-
-
-@fact
-def _compute_body_moments(model: Model, links: tuple[str, ...]) -> tuple[float, float, float] | None:
-    """Compute the principal moments (kg m²) of some links together, ascending; None as for `compute_body_tensor`."""
-    from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
-
-    tensor = compute_body_tensor(model, links)
-    if tensor is None:
-        return None
-    first, second, third = compute_principal_moments(tensor)[0].tolist()
-    return first, second, third
+    is_light = _get_link_mass(model, link.name) <= NEGLIGIBLE * whole.mass
+    return MergedBody(heaviest, whole.moments, is_light and largest <= NEGLIGIBLE * whole.moments[0])
 
 
 @fact

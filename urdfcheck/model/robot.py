@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import FactUnavailableError, Location
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.small_matrices import UNMOVED, Placement
 from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import ModelMeshes
 from urdfcheck.model.parts import CompleteInertial, DeclaredMass, DeclaredTensor, Joint, Link
@@ -149,20 +150,36 @@ class Model:
         return _build_pieces(self)
 
     @property
-    def piece_frames(self) -> Mapping[str, Array]:
-        """The `frames`; in a robot in pieces 4x4 placements in the root of each link's piece, which place the links of one body.
-
-        :raises FactUnavailableError: when the pieces are not trees or an origin is malformed.
-        """
-        return _compute_piece_frames(self)
-
-    @property
-    def frames(self) -> Mapping[str, Array]:
-        """4x4 placement of each link's frame in the root link's frame, all joints at zero.
+    def placements(self) -> Mapping[str, Placement]:
+        """Placement of each link's frame in the root link's frame, all joints at zero.
 
         :raises FactUnavailableError: when the tree is broken or an origin is malformed.
         """
-        return _compute_frames(self)
+        return _compute_placements(self)
+
+    @property
+    def piece_placements(self) -> Mapping[str, Placement]:
+        """The `placements`; in a robot in pieces those in the root of each link's piece, which place the links of one body.
+
+        :raises FactUnavailableError: when the pieces are not trees or an origin is malformed.
+        """
+        return _compute_piece_placements(self)
+
+    @property
+    def frames(self) -> Mapping[str, Array]:
+        """The `placements` as arrays, 4x4.
+
+        :raises FactUnavailableError: as there.
+        """
+        return _build_frames(self)
+
+    @property
+    def piece_frames(self) -> Mapping[str, Array]:
+        """The `piece_placements` as arrays, 4x4.
+
+        :raises FactUnavailableError: as there.
+        """
+        return _build_piece_frames(self)
 
     @cached_property
     def axes(self) -> Mapping[str, Array]:
@@ -199,37 +216,46 @@ def _build_pieces(model: Model) -> Tree:
 
 
 @fact
-def _compute_frames(model: Model) -> Mapping[str, Array]:
+def _compute_placements(model: Model) -> Mapping[str, Placement]:
     return _place_links(model.tree)
 
 
 @fact
-def _compute_piece_frames(model: Model) -> Mapping[str, Array]:
+def _compute_piece_placements(model: Model) -> Mapping[str, Placement]:
     try:
         _ = model.tree
     except FactUnavailableError:
         return _place_links(model.pieces)
-    return model.frames
+    return model.placements
 
 
-def _place_links(tree: Tree) -> Mapping[str, Array]:
-    """Return the placement (4, 4) of each link in the root of its tree, all joints at zero.
+@fact
+def _build_frames(model: Model) -> Mapping[str, Array]:
+    from urdfcheck.facts.motion.kinematics import build_transform
+
+    return {name: build_transform(placement) for name, placement in model.placements.items()}
+
+
+@fact
+def _build_piece_frames(model: Model) -> Mapping[str, Array]:
+    from urdfcheck.facts.motion.kinematics import build_transform
+
+    return {name: build_transform(placement) for name, placement in model.piece_placements.items()}
+
+
+def _place_links(tree: Tree) -> Mapping[str, Placement]:
+    """Return the placement of each link in the root of its tree, all joints at zero.
 
     :raises FactUnavailableError: when an origin is malformed.
     """
-    import numpy as np
-
-    from urdfcheck.facts.motion.kinematics import compute_forward_kinematics
-
-    index = {name: i for i, name in enumerate(tree.order)}
-    parents: list[int] = []
-    placements: list[Array] = []
+    placements: dict[str, Placement] = {}
     for name in tree.order:
         joint = tree.parent_joint.get(name)
-        matrix = np.eye(4) if joint is None else joint.origin.matrix
-        if matrix is None:
-            raise FactUnavailableError(f"the origin of joint {joint.name if joint else name!r} is malformed")
-        parents.append(-1 if joint is None else index[joint.parent])
-        placements.append(matrix)
-    world = compute_forward_kinematics(parents, np.array(placements))
-    return dict(zip(tree.order, world, strict=True))
+        if joint is None:
+            placements[name] = UNMOVED
+            continue
+        origin = joint.origin.placement
+        if origin is None:
+            raise FactUnavailableError(f"the origin of joint {joint.name} is malformed")
+        placements[name] = placements[joint.parent].carry(origin)
+    return placements

@@ -56,9 +56,11 @@ def preload_modules(tier: str | None = None) -> None:
     from urdfcheck.system import libraries
 
     libraries.prefer_own_folders()
-    importlib.import_module("numpy")
+    tier = tier or TIERS[-1]
+    if tier != TIERS[0]:  # the text alone needs no arrays
+        importlib.import_module("numpy")
     for rule in load_rules().values():
-        runs = _CHECKED_ALWAYS.intersection(rule.scopes) and not find_missing_tier(rule.needs, tier or TIERS[-1])
+        runs = _CHECKED_ALWAYS.intersection(rule.scopes) and not find_missing_tier(rule.needs, tier)
         if runs and has_check(rule) and not is_cacheable(rule):
             importlib.import_module(get_check_module(rule))
     with contextlib.suppress(ImportError):  # it is optional

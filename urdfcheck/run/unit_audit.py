@@ -10,7 +10,7 @@ import itertools
 import operator
 import os
 import time
-import traceback
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
 from functools import cache, partial
@@ -78,18 +78,16 @@ _TIER_OF_NEED = {
 
 def audit_unit(unit: Unit, settings: AuditSettings) -> UnitReport:
     """Audit one unit. A check that crashes is reported as a failure and as finding URC900; the others still run."""
-
-    import numpy as np
-
     start = time.perf_counter()
     audit = _UnitAudit(unit, settings)
-    # Numbers that overflow are findings, not warnings of numpy.
     with (
         _observe(settings) as observations,
         record_reads() as reads,
         overlay_files(settings.options.texts),
-        np.errstate(all="ignore"),
+        warnings.catch_warnings(),
     ):
+        # Numbers that overflow are findings, not warnings of numpy, which few checks of the text load.
+        warnings.simplefilter("ignore", RuntimeWarning)
         try:
             if unit.kind == "package":
                 audit.audit_package()
@@ -435,6 +433,8 @@ class _UnitAudit:
 
     def add_crash(self, name: str, error: Exception) -> None:
         """Report that a check failed."""
+        import traceback  # nearly no run needs it
+
         where = traceback.extract_tb(error.__traceback__)[-1]
         text = f"{type(error).__name__}: {error} ({Path(where.filename).name}:{where.lineno})"
         text = self.shortener.shorten_text(text)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, compute_principal_moments
+from urdfcheck.facts.small_matrices import compute_moments, make_tensor
 
 # kg m². MuJoCo refuses a link's tensor with a smaller eigenvalue (mjEPS), unless all six numbers are zero; it checks each link
 # before it merges those that fixed joints connect, the root too. Measured with MuJoCo 4.0.
@@ -17,5 +17,4 @@ GAZEBO_MERGES = "loads it (it merges links joined by fixed joints and checks the
 
 def is_refused_by_mujoco(components: Sequence[float]) -> bool:
     """Whether MuJoCo refuses a tensor (URDF's ``ixx ixy ixz iyy iyz izz`` in kg m²) for its smallest principal moment."""
-    smallest = float(compute_principal_moments(build_inertia_tensor(components))[0][0])
-    return any(components) and smallest < MUJOCO_LEAST_MOMENT
+    return any(components) and compute_moments(make_tensor(components))[0] < MUJOCO_LEAST_MOMENT

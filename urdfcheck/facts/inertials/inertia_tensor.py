@@ -1,4 +1,4 @@
-"""Inertia tensors: validity, the effect of typed digits, solids with closed-form moments, equivalent bodies.
+"""Inertia tensors: validity, the effect of typed digits, solids with closed-form moments.
 
 Inertia tensors are (3, 3) in kg m² about the COM, with URDF's signs (``Ixy = -∫ xy dm``). A body's shape is described
 by its covariance, the mean of ``(x - com)(x - com)ᵀ``, which needs no density: ``I = m (tr(C) 1 - C)``.
@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.small_matrices import compute_excess
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -66,15 +67,6 @@ class TensorRounding:
     """Significant digits of the largest typed moment."""
     digits: int
     """Significant digits that this moment needs for rounding not to matter."""
-
-
-@dataclass(frozen=True, slots=True)
-class EquivalentDensities:
-    """Densities (kg/m³) of the solid box and the solid cylinder that have a body's mass and principal moments; None
-    where no such body exists."""
-
-    box: float | None
-    cylinder: float | None
 
 
 def build_inertia_tensor(components: Sequence[float]) -> Array:
@@ -141,11 +133,8 @@ def _orient_axis(axis: Array) -> Array:
 
 
 def compute_triangle_excess(inertia: ArrayLike) -> float:
-    """Compute ``(I1 + I2 - I3) / I3`` of the ascending principal moments: negative when no body has this tensor.
-
-    1 for a sphere, 0 for a flat plate. NaN when the largest moment is not positive.
-    """
-    return _compute_excess(compute_principal_moments(inertia)[0])
+    """Compute what `compute_excess` does of the moments of a tensor."""
+    return compute_excess(compute_principal_moments(inertia)[0].tolist())
 
 
 def check_inertia_validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> InertiaValidity:
@@ -164,7 +153,7 @@ def check_inertia_validity(inertia: ArrayLike, rel_tol: float = 1e-9) -> Inertia
         finite=True,
         moments=(first, second, third),
         positive_definite=third > 0.0 and first > _EIGEN_ROUNDING * third,
-        excess=_compute_excess(moments),
+        excess=compute_excess((first, second, third)),
         triangle_inequality=first + second - third >= -rel_tol * abs(third),
     )
 
@@ -324,52 +313,6 @@ def combine_solids(solids: Sequence[Solid]) -> Solid:
     about_com = [solid.covariance + np.outer(solid.com - com, solid.com - com) for solid in solids]
     moment = np.sum([solid.volume * c for solid, c in zip(solids, about_com, strict=True)], axis=0)
     return Solid(volume, com, moment / volume)
-
-
-def fit_equivalent_box(mass: float, inertia: ArrayLike) -> tuple[float, float, float]:
-    """Compute the edge lengths (m), descending, of the solid box with this mass and these principal moments, along the principal
-    axes in ascending order of moments. An edge is 0 where the triangle inequality allows none."""
-    moments, _ = compute_principal_moments(inertia)
-    squares = 6.0 * (moments.sum() - 2.0 * moments) / mass
-    a, b, c = np.sqrt(np.maximum(squares, 0.0)).tolist()
-    return a, b, c
-
-
-def fit_equivalent_cylinder(mass: float, inertia: ArrayLike, rel_tol: float = 0.05) -> tuple[int | None, float, float]:
-    """Compute the axis (index of a principal axis, moments ascending), radius and length (m) of the solid cylinder with this
-    mass and these principal moments.
-
-    ``(None, nan, nan)`` when no two moments agree within ``rel_tol`` or no length fits. The transverse moments of published
-    wheels, with bosses and spokes, differ by less than the default.
-    """
-    moments, _ = compute_principal_moments(inertia)
-    first, second, third = moments.tolist()
-    axis, across = (2, (first + second) / 2.0) if second - first <= third - second else (0, (second + third) / 2.0)
-    spread = abs(second - first) if axis == 2 else abs(third - second)
-    along = float(moments[axis])
-    radius_squared, length_squared = 2.0 * along / mass, (12.0 * across - 6.0 * along) / mass
-    if not (spread <= rel_tol * across and radius_squared > 0.0 and length_squared > 0.0):
-        return None, math.nan, math.nan
-    return axis, math.sqrt(radius_squared), math.sqrt(length_squared)
-
-
-def compute_equivalent_density(mass: float, inertia: ArrayLike) -> EquivalentDensities:
-    """Compute the densities (kg/m³) of the equivalent solid box and cylinder.
-
-    The one whose shape the body has is close to its true density. Without a mesh, a value within 0.3 % of a CAD system's
-    default means that no material was assigned.
-    """
-    a, b, c = fit_equivalent_box(mass, inertia)
-    axis, radius, length = fit_equivalent_cylinder(mass, inertia)
-    return EquivalentDensities(
-        box=mass / (a * b * c) if a * b * c > 0.0 else None,
-        cylinder=None if axis is None else mass / (math.pi * radius**2 * length),
-    )
-
-
-def _compute_excess(moments: Array) -> float:
-    first, second, third = moments.tolist()
-    return (first + second - third) / third if third > 0.0 else math.nan
 
 
 def _parse_decimal(text: str) -> Decimal:

@@ -6,9 +6,6 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST_PART
 
 if TYPE_CHECKING:
@@ -67,8 +64,10 @@ def is_unknown_mass(mass: float, tensor: Array, solid: Solid) -> bool:
     that the drawn ``solid`` can have at its real mass."""
     if not _stands_for_none(mass):
         return False
+    from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia  # loads numpy
+
     heaviest = compute_solid_inertia(solid, DENSEST_PART * solid.volume)
-    return bool(np.trace(tensor) <= np.trace(heaviest))
+    return bool(tensor.trace() <= heaviest.trace())
 
 
 def _stands_for_none(mass: float) -> bool:

@@ -1,4 +1,4 @@
-"""Rotations and rigid transforms in URDF's conventions, and forward kinematics of a tree."""
+"""Rotations and rigid transforms in URDF's conventions, and the motions of joints."""
 
 from __future__ import annotations
 
@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
+
+from urdfcheck.facts.small_matrices import Placement, find_turn, make_quaternion_rotation, make_rotation
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -21,17 +23,7 @@ _GIMBAL = 1e-8
 
 def rpy_to_matrix(rpy: Sequence[float]) -> Mat3:
     """Convert URDF's fixed-axis roll, pitch, yaw (rad) to a (3, 3) rotation: ``Rz(yaw) Ry(pitch) Rx(roll)``."""
-    roll, pitch, yaw = rpy
-    cr, sr = math.cos(roll), math.sin(roll)
-    cp, sp = math.cos(pitch), math.sin(pitch)
-    cy, sy = math.cos(yaw), math.sin(yaw)
-    return np.array(
-        (
-            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
-            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
-            (-sp, cp * sr, cp * cr),
-        )
-    )
+    return np.array(make_rotation(rpy))
 
 
 def matrix_to_rpy(rotation: ArrayLike) -> tuple[float, float, float]:
@@ -49,69 +41,29 @@ def quaternion_to_matrix(xyzw: Sequence[float]) -> Mat3:
 
     :raises ValueError: when its length is zero or not finite.
     """
-    length = math.hypot(*xyzw)
-    if not 0.0 < length < math.inf:
-        raise ValueError("a quaternion of zero or infinite length is not a rotation")
-    x, y, z, w = (value / length for value in xyzw)
-    return np.array(
-        (
-            (1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)),
-            (2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)),
-            (2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)),
-        )
-    )
+    return np.array(make_quaternion_rotation(xyzw))
 
 
 def build_origin_transform(xyz: Sequence[float], rpy: Sequence[float]) -> Mat4:
     """Build the (4, 4) homogeneous transform of a URDF ``<origin>`` (m, rad) in its parent's frame."""
-    placement = np.eye(4)
-    placement[:3, :3] = rpy_to_matrix(rpy)
-    placement[:3, 3] = xyz
-    return placement
+    transform = np.eye(4)
+    transform[:3, :3] = rpy_to_matrix(rpy)
+    transform[:3, 3] = xyz
+    return transform
+
+
+def build_transform(placement: Placement) -> Mat4:
+    """Build the (4, 4) homogeneous transform of a placement."""
+    transform = np.eye(4)
+    transform[:3, :3] = placement.rotation
+    transform[:3, 3] = placement.place
+    return transform
 
 
 def compute_axis_angle(rotation: ArrayLike) -> tuple[Vec3, float]:
-    """Compute the unit axis (3,) and angle (rad, within [0, π]) of a (3, 3) rotation; axis x if the angle is 0.
-
-    Goes through the quaternion's largest component (Shepperd, *Quaternion from rotation matrix*, 1978), which keeps
-    full precision both near 0, where the arc cosine of the trace loses it, and near π, where the skew part does.
-    """
-    r = np.asarray(rotation, dtype=float)
-    trace = float(np.trace(r))
-    largest = int(np.argmax((r[0, 0], r[1, 1], r[2, 2], trace)))
-    if largest == 3:
-        vector = np.array((r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]))
-        scalar = 1.0 + trace
-    else:
-        i, j, k = largest, (largest + 1) % 3, (largest + 2) % 3
-        vector = np.empty(3)
-        vector[i] = 1.0 - trace + 2.0 * r[i, i]
-        vector[j] = r[j, i] + r[i, j]
-        vector[k] = r[k, i] + r[i, k]
-        scalar = float(r[k, j] - r[j, k])
-    if scalar < 0.0:
-        vector, scalar = -vector, -scalar
-    length = math.hypot(*vector)
-    if length == 0.0:
-        return np.array((1.0, 0.0, 0.0)), 0.0
-    return vector / length, 2.0 * math.atan2(length, scalar)
-
-
-def compute_forward_kinematics(parents: Sequence[int], placements: ArrayLike) -> Array:
-    """Compute the world placements (n, 4, 4) of a tree's frames at the neutral pose.
-
-    ``parents[i]`` is the index of frame i's parent, lower than i, or -1 for a root; ``placements`` (n, 4, 4) are
-    given in the parent's frame.
-
-    :raises ValueError: when a parent does not come before its child.
-    """
-    world = np.array(placements, dtype=float)
-    for child, parent in enumerate(parents):
-        if parent >= child:
-            raise ValueError(f"frame {child} comes before its parent {parent}")
-        if parent >= 0:
-            world[child] = world[parent] @ world[child]
-    return world
+    """Compute the unit axis (3,) and the angle (rad) of a (3, 3) rotation with `find_turn`."""
+    axis, angle = find_turn(np.asarray(rotation, dtype=float).tolist())
+    return np.array(axis), angle
 
 
 def compute_joint_motions(axis: ArrayLike, values: ArrayLike, *, rotates: bool) -> Array:

@@ -11,9 +11,8 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.contact import GroundSupport
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
-from urdfcheck.model.parts import GROUND_NAMES, Link, Shape
+from urdfcheck.model.parts import GROUND_NAMES, Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.wheel_names import CASTER_NAME
 

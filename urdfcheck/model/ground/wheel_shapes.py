@@ -9,8 +9,8 @@ import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
+from urdfcheck.model.parts import is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_shape_corners
 
 if TYPE_CHECKING:

@@ -35,8 +35,8 @@ from urdfcheck.model.inertials.diagnosis.weak_causes import drop_weak_causes
 from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
+from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
 from urdfcheck.system.installation import compute_code_version
 

@@ -12,10 +12,9 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_mass_covariance
 from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull, compute_least_volume
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Inertial, Link
+from urdfcheck.model.parts import Inertial, Link, has_drawn_shape, is_dummy_shape
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import has_drawn_shape, is_dummy_shape
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, has_up_axis_ambiguity
 

@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-import numpy as np
+import math
 
 from urdfcheck.core import FactUnavailableError
+from urdfcheck.facts.small_matrices import Vector
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Joint
+from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.corners import compute_shape_corners, has_known_shapes
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
-
 
 # Fewer joints that are apart do not say how large a robot is: a mast may stand on a small base.
 LEAST_JOINTS = 3
@@ -54,6 +48,8 @@ def is_beyond_reach(model: Model, distance: float) -> bool:
 @fact
 def is_all_known(model: Model) -> bool:
     """Whether the size of every shape is known: a mesh that is missing, or that cannot be read, may reach anywhere."""
+    from urdfcheck.model.shapes.corners import has_known_shapes  # loads numpy
+
     return all(has_known_shapes(model, link) for link in model.links)
 
 
@@ -67,7 +63,7 @@ def has_placed_frame(model: Model, link: str) -> bool:
     body = tree.list_body_links(link)
     joints = [joint for name in body for joint in tree.child_joints[name]]
     before = tree.parent_joint.get(body[0])
-    return any(float(np.linalg.norm(_read_place(joint))) > 0.0 for joint in (*joints, *([before] if before else [])))
+    return any(any(_read_place(joint)) for joint in (*joints, *([before] if before else [])))
 
 
 def measure_own_size(model: Model, link: str) -> float:
@@ -76,12 +72,10 @@ def measure_own_size(model: Model, link: str) -> float:
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    tree, frames = model.tree, model.frames
-    here = np.linalg.inv(frames[link])
+    tree, placements = model.tree, model.placements
     size = 0.0
     for name in tree.list_body_links(link):
-        place = here @ frames[name]
-        distance = float(np.linalg.norm(place[:3, 3]))
+        distance = math.dist(placements[link].place, placements[name].place)
         size = max(size, distance + _measure_shapes(model, name))
         for joint in tree.child_joints[name]:
             size = max(size, distance + _measure_joint(joint))
@@ -94,25 +88,37 @@ def _measure_joint(joint: Joint) -> float:
     if joint.type == "prismatic":
         limits = [joint.get_limit_value(side) or 0.0 for side in ("lower", "upper")]
         travel = max(map(abs, limits))
-    return float(np.linalg.norm(_read_place(joint))) + travel
+    return math.hypot(*_read_place(joint)) + travel
 
 
-def _read_place(joint: Joint) -> Array:
-    """Return the origin (3,) of a joint, in m."""
-    matrix = joint.origin.matrix
-    if matrix is None:
+def _read_place(joint: Joint) -> Vector:
+    """Return the origin of a joint, in m."""
+    placement = joint.origin.placement
+    if placement is None:
         raise FactUnavailableError(f"the origin of joint {joint.name} is malformed (XML007)")
-    place: Array = matrix[:3, 3]
-    return place
+    return placement.place
 
 
 def _measure_shapes(model: Model, name: str, *, with_unread: bool = True) -> float:
     """Measure how far the shapes of a link reach from its frame (m): those that cannot be read to their own origin at least."""
     link = model.link_by_name[name]
-    corners: list[Array] = []
+    farthest = 0.0
     for shape in (*link.visuals, *link.collisions):
-        # A program that ignores COLLADA's unit sees another size: the larger one counts.
-        known = [c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None]
-        pose = shape.origin.matrix
-        corners += known or ([] if pose is None or not with_unread else [pose[None, :3, 3]])
-    return max((float(np.linalg.norm(c, axis=1).max(initial=0.0)) for c in corners), default=0.0)
+        reach, placement = _measure_shape(model, shape), shape.origin.placement
+        if reach is None and placement is not None and with_unread:
+            reach = math.hypot(*placement.place)
+        farthest = max(farthest, reach or 0.0)
+    return farthest
+
+
+def _measure_shape(model: Model, shape: Shape) -> float | None:
+    """Measure how far a shape reaches from its link's frame (m); None where it is not known."""
+    if shape.kind == "mesh" and model.meshes.get_facts(shape) is None:
+        return None
+    import numpy as np
+
+    from urdfcheck.model.shapes.corners import compute_shape_corners
+
+    # A program that ignores COLLADA's unit sees another size: the larger one counts.
+    known = [c for unit in (True, False) if (c := compute_shape_corners(model, shape, apply_unit=unit)) is not None]
+    return max((float(np.linalg.norm(c, axis=1).max(initial=0.0)) for c in known), default=None)

@@ -18,9 +18,8 @@ from urdfcheck.facts.likeness.revolution import find_revolution_axis
 from urdfcheck.facts.motion.kinematics import compute_joint_motions
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
-from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape
+from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME
 

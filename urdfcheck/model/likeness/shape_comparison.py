@@ -15,9 +15,8 @@ import numpy as np
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.facts.likeness.mirror import PartOutline
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 

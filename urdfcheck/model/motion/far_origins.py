@@ -2,19 +2,17 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING
-
-import numpy as np
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.small_matrices import subtract
 from urdfcheck.model.inertials.reach import LEAST_JOINTS
-from urdfcheck.model.parts import Joint
+from urdfcheck.model.parts import Joint, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
-from urdfcheck.model.shapes.corners import compute_shape_corners
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -66,13 +64,13 @@ class FarOrigin:
     _boxes: tuple[Array, Array] | None
     _turn: Array
 
-    def measure_gap(self, place: Array) -> float | None:
+    def measure_gap(self, place: Sequence[float]) -> float | None:
         """Measure the space between what both sides draw with the origin at another place (3,) in m; None where it is not
         known."""
         if self._boxes is None or self.joint.origin.xyz is None:
             return None
         parent, child = self._boxes
-        return _measure_box_gap(parent, child + self._turn @ (place - np.array(self.joint.origin.xyz)))
+        return _measure_box_gap(parent, child + self._turn @ subtract(place, self.joint.origin.xyz))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -88,6 +86,8 @@ class _Side:
 
     @property
     def box(self) -> Array:
+        import numpy as np
+
         return np.array((self.points.min(axis=0), self.points.max(axis=0)))
 
 
@@ -114,10 +114,10 @@ def measure_origin_lengths(model: Model) -> dict[str, float]:
     lengths = {}
     for name in model.tree.order[1:]:
         joint = model.tree.parent_joint[name]
-        matrix = joint.origin.matrix
-        if matrix is None:
+        placement = joint.origin.placement
+        if placement is None:
             raise FactUnavailableError(f"the origin of joint {joint.name} is malformed (XML007)")
-        lengths[joint.name] = float(np.linalg.norm(matrix[:3, 3]))
+        lengths[joint.name] = math.hypot(*placement.place)
     return lengths
 
 
@@ -147,7 +147,7 @@ def _confirm_by_others(
             least = limits.least
         if parent.is_empty and not _FOOTPRINT.search(joint.parent):
             # Frames of a scene are where they are: robots, cameras, the frames of a map.
-            least = np.inf if SCENE.search(joint.parent) else _SCENE_SIZE
+            least = math.inf if SCENE.search(joint.parent) else _SCENE_SIZE
         if length < least:
             continue
         if child.is_empty and _has_suspects_below(model, joint.child, suspects):
@@ -197,7 +197,7 @@ def _measure(
         length=length,
         others=others,
         gap=None if boxes is None else _measure_box_gap(*boxes),
-        sizes=0.0 if boxes is None else sum(float(np.linalg.norm(high - low)) for low, high in boxes),
+        sizes=0.0 if boxes is None else sum(math.dist(low, high) for low, high in boxes),
         _boxes=boxes,
         _turn=model.frames[joint.parent][:3, :3],
     )
@@ -230,6 +230,10 @@ def _cut_tree(model: Model, suspects: Collection[str]) -> dict[str, _Side]:
 
 
 def _collect_side(model: Model, names: Iterable[str]) -> _Side:
+    import numpy as np
+
+    from urdfcheck.model.shapes.corners import compute_shape_corners
+
     parts: list[Array] = []
     unknown = has_shapes = has_mass = False
     for name in names:
@@ -257,4 +261,4 @@ def _collect_side(model: Model, names: Iterable[str]) -> _Side:
 
 def _measure_box_gap(one: Array, other: Array) -> float:
     """Measure the space between two boxes (2, 3): least and greatest corner."""
-    return float(np.linalg.norm(np.maximum(0.0, np.maximum(one[0] - other[1], other[0] - one[1]))))
+    return math.hypot(*(max(0.0, *between) for between in zip(one[0] - other[1], other[0] - one[1], strict=True)))

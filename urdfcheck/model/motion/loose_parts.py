@@ -12,9 +12,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.far_origins import SCENE, measure_origin_lengths
-from urdfcheck.model.parts import Joint
+from urdfcheck.model.parts import Joint, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.corners import compute_shape_corners
 
 if TYPE_CHECKING:

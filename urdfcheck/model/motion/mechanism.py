@@ -21,10 +21,9 @@ from urdfcheck.facts.motion.simulation import (
 from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.fixed_base import explain_fixed_base
 from urdfcheck.model.motion.joint_loads import read_damping
-from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape
+from urdfcheck.model.parts import MOVING_TYPES, Joint, Link, Shape, is_dummy_shape
 from urdfcheck.model.rigid_bodies import compute_body_inertia, is_point_mass, list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.source.text.values import read_attribute_number

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.facts.mesh.topology import compute_bounds
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
+from urdfcheck.model.shapes.primitive_boxes import compute_half_extents
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
     from urdfcheck.facts.mesh.measure import MeshFacts
 
 
-# A primitive of at most 5 mm is a dummy: published models write one where some parser wants a shape (boxes of 1 mm in PR2 and
-# the Shadow hand, of 5 mm in RotorS).
-MAX_DUMMY_SIZE = 0.005
 # More than rounding leaves of a quarter turn's zeros, and less than anybody measures.
 _STRAIGHT = 1e-9
 # The rotations that turn COLLADA's frames to z up, which some programs apply and others do not.
@@ -27,12 +25,6 @@ Z_UP_ROTATIONS = {
     "Y_UP": np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]]),
     "X_UP": np.array([[0, -1.0, 0], [0, 0, -1], [1, 0, 0]]),
 }
-
-
-def is_dummy_shape(shape: Shape) -> bool:
-    """Whether a shape is a primitive too small to be meant as a part."""
-    size = shape.size
-    return shape.kind != "mesh" and size is not None and max(map(abs, size)) <= MAX_DUMMY_SIZE
 
 
 def compute_bounding_box(
@@ -68,7 +60,7 @@ def _compute_shape_box(
             return None
         turned = get_up_axis_rotation(facts, apply_up_axis)
         return _compute_mesh_box(facts, turn @ np.diag(scale) @ turned, place)
-    reach = _compute_half_extents(shape.kind, np.abs(size), turn)
+    reach = np.array(compute_half_extents(shape.kind, [abs(part) for part in size], turn.tolist()))
     return place - reach, place + reach
 
 
@@ -83,25 +75,6 @@ def _compute_mesh_box(facts: MeshFacts, linear: Array, place: Array) -> tuple[Ar
     return low + place, high + place
 
 
-def _compute_half_extents(kind: str, size: Array, turn: Array) -> Array:
-    """Compute half the extents (3,) of a primitive along the axes of the frame in which it is turned."""
-    if kind == "box":
-        corner: Array = np.abs(turn) @ size / 2
-        return corner
-    if kind == "sphere":
-        return np.full(3, size[0])
-    radius, length = size
-    along = np.abs(turn[:, 2])
-    across = np.sqrt(np.maximum(0.0, 1.0 - along**2)) if kind == "cylinder" else np.ones(3)
-    reach: Array = along * length / 2 + radius * across
-    return reach
-
-
 def get_up_axis_rotation(facts: MeshFacts, apply_up_axis: bool) -> Array:
     """Return the rotation that puts a mesh upright (a permutation of its axes), the identity without ``apply_up_axis``."""
     return Z_UP_ROTATIONS.get(facts.up_axis or "", np.eye(3)) if apply_up_axis else np.eye(3)
-
-
-def has_drawn_shape(link: Link) -> bool:
-    """Whether a link has a shape that is meant as a part."""
-    return any(not is_dummy_shape(shape) for shape in (*link.visuals, *link.collisions))

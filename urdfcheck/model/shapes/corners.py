@@ -13,9 +13,9 @@ from itertools import product
 
 import numpy as np
 
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import get_up_axis_rotation, is_dummy_shape
+from urdfcheck.model.shapes.bounds import get_up_axis_rotation
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale
 
 # Corners on the circle that stands for a round shape.

@@ -5,20 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import permutations, product
-from typing import TYPE_CHECKING
-
-import numpy as np
 
 from urdfcheck.core import Edit, Located
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.sphere_directions import spread_directions_and_axes
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.facts.small_matrices import IDENTITY, Matrix, Placement, list_entries, multiply, transpose
+from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
-
-if TYPE_CHECKING:
-    from urdfcheck.facts.arrays import Array
 
 # The differences that count unless a configuration says otherwise (m, rad); the page of GEO005 has the reasons.
 MIN_DISTANCE, MIN_ANGLE = 1e-4, 2e-3
@@ -26,6 +19,8 @@ MIN_DISTANCE, MIN_ANGLE = 1e-4, 2e-3
 _DIRECTIONS = 256
 # What rounding leaves (m, rad).
 _NO_DISTANCE, _NO_ANGLE = 1e-9, 1e-6
+# The orders of three axes that a rotation brings about without a mirror.
+_EVEN_ORDERS = {(0, 1, 2), (1, 2, 0), (2, 0, 1)}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,8 +30,8 @@ class PlacedShape:
     shape: Shape
     what: str
     """The name of its mesh, or its kind: ``wheel.stl``, ``box``."""
-    pose: Array
-    """(4, 4) in the link's frame"""
+    placement: Placement
+    """In the link's frame."""
 
     @property
     def place(self) -> Located:
@@ -47,10 +42,14 @@ class PlacedShape:
 
         The angle is the least one: a cylinder rotated about its axis is the same cylinder.
         """
-        if (self.pose == other.pose).all():
+        if self.placement == other.placement:
             return 0.0, 0.0
-        moved = float(np.linalg.norm(self.pose[:3, 3] - other.pose[:3, 3]))
-        return moved, _measure_angle(self.shape, self.pose[:3, :3].T @ other.pose[:3, :3])
+        moved = math.dist(self.placement.place, other.placement.place)
+        return moved, _measure_angle(self.shape, self.measure_turn(other))
+
+    def measure_turn(self, other: PlacedShape) -> Matrix:
+        """Return the rotation from this shape to another."""
+        return multiply(transpose(self.placement.rotation), other.placement.rotation)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -149,9 +148,9 @@ def _group_by_shape(model: Model, link: Link) -> Iterator[tuple[list[PlacedShape
 
 def _place_shapes(model: Model, shapes: Sequence[Shape]) -> Iterator[PlacedShape]:
     for shape in shapes:
-        use, pose = model.meshes.by_shape.get(id(shape)), shape.origin.matrix
-        if pose is not None:
-            yield PlacedShape(shape, (shape.kind or "") if use is None else use.name, pose)
+        use, placement = model.meshes.by_shape.get(id(shape)), shape.origin.placement
+        if placement is not None:
+            yield PlacedShape(shape, (shape.kind or "") if use is None else use.name, placement)
 
 
 def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float) -> bool:
@@ -160,8 +159,13 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
     facts, scale = model.meshes.get_facts(one.shape), one.shape.size
     if facts is None or scale is None:
         return False
+    import numpy as np
+
+    from urdfcheck.facts.sphere_directions import spread_directions_and_axes
+
     factors = np.array(scale)
-    turns, places = ([pose[part] for pose in (one.pose, other.pose)] for part in (np.s_[:3, :3], np.s_[:3, 3]))
+    turns = [np.array(placed.placement.rotation) for placed in (one, other)]
+    places = [np.array(placed.placement.place) for placed in (one, other)]
     covariance = facts.surface_covariance * np.outer(factors, factors)
     centroid, centroid_2 = (
         turn @ (factors * facts.surface_centroid) + place for turn, place in zip(turns, places, strict=True)
@@ -179,27 +183,28 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
     return bool(np.abs(reach - reach_2).max() <= distance)
 
 
-def _measure_angle(shape: Shape, turn: Array) -> float:
-    """Return the least angle (rad) of a rotation (3, 3) of a shape, by which it becomes different."""
+def _measure_angle(shape: Shape, turn: Matrix) -> float:
+    """Return the least angle (rad) of a rotation of a shape, by which it becomes different."""
     if shape.kind == "sphere":
         return 0.0
     if shape.kind in {"cylinder", "capsule"}:
-        return math.asin(min(1.0, math.hypot(turn[0, 2], turn[1, 2])))
+        return math.asin(min(1.0, math.hypot(turn[0][2], turn[1][2])))
     if shape.kind != "box":
         return _measure_rotation(turn)
-    return min(_measure_rotation(turn @ symmetry) for symmetry in _generate_box_symmetries(shape.size or ()))
+    return min(_measure_rotation(multiply(turn, symmetry)) for symmetry in _generate_box_symmetries(shape.size or ()))
 
 
-def _generate_box_symmetries(size: tuple[float, ...]) -> Iterator[Array]:
-    """Yield the rotations (3, 3) by quarter and half turns that map a box onto itself."""
+def _generate_box_symmetries(size: tuple[float, ...]) -> Iterator[Matrix]:
+    """Yield the rotations by quarter and half turns that map a box onto itself."""
     for order in permutations(range(3)):
         if all(math.isclose(size[a], size[b], rel_tol=1e-9) for a, b in enumerate(order)):
             for signs in product((1.0, -1.0), repeat=3):
-                turn = np.eye(3)[list(order)] * np.array(signs)
-                if np.linalg.det(turn) > 0:
-                    yield turn
+                if (math.prod(signs) > 0) == (order in _EVEN_ORDERS):  # else it is a mirror image
+                    rows = zip(signs, (IDENTITY[axis] for axis in order), strict=True)
+                    first, second, third = ((sign * x, sign * y, sign * z) for sign, (x, y, z) in rows)
+                    yield first, second, third
 
 
-def _measure_rotation(turn: Array) -> float:
+def _measure_rotation(turn: Matrix) -> float:
     # The chord from the identity: unlike the arc cosine of the trace, it keeps small angles.
-    return 2 * math.asin(min(1.0, float(np.linalg.norm(turn - np.eye(3))) / math.sqrt(8)))
+    return 2 * math.asin(min(1.0, math.dist(list_entries(turn), list_entries(IDENTITY)) / math.sqrt(8)))

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.rigid_bodies import list_neighbour_links, list_rigid_bodies
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import compute_bounding_box, is_dummy_shape
+from urdfcheck.model.shapes.bounds import compute_bounding_box
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array

@@ -10,9 +10,8 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Link
+from urdfcheck.model.parts import Link, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.visual_solid import measure_role_geometry
 
 if TYPE_CHECKING:

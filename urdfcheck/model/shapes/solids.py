@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from urdfcheck.model.parts import Link, Shape
@@ -28,33 +29,36 @@ def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid 
 
     None when it has no such shape, or one whose volume is not known (an unread or open mesh).
     """
-    from urdfcheck.facts.inertials.inertia_tensor import combine_solids
-
     shapes = link.visuals if role == "visual" else link.collisions
     solids = [measure_shape_solid(model, shape) for shape in shapes]
     known = [s for s in solids if s is not None]
-    return combine_solids(known) if known and len(known) == len(solids) else None
+    if not known or len(known) != len(solids):
+        return None
+    from urdfcheck.facts.inertials.inertia_tensor import combine_solids  # loads numpy
+
+    return combine_solids(known)
 
 
 def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
     """Measure one shape, like `measure_link_solid`."""
-    import numpy as np
-
-    from urdfcheck.facts.inertials import inertia_tensor as inertia
-
-    size, pose = shape.size, shape.origin.matrix
-    if size is None or pose is None or any(s == 0 for s in size):
+    size = shape.size
+    if size is None or any(s == 0 for s in size):
+        return None
+    facts = model.meshes.get_facts(shape)
+    if shape.kind == "mesh" and (facts is None or not facts.closed or not all(map(math.isfinite, facts.com))):
+        return None
+    pose = shape.origin.matrix
+    if pose is None:
         return None
     turn, place = pose[:3, :3], pose[:3, 3]
-    if shape.kind == "mesh":
-        facts = model.meshes.get_facts(shape)
-        if facts is None or not facts.closed or not np.isfinite(facts.com).all():
-            return None
+    if facts is not None:
         from urdfcheck.facts.mesh.measure import compute_mesh_solid  # not where meshes are unknown
 
         return compute_mesh_solid(facts, size, rotation=turn, translation=place)
     if any(s < 0 for s in size):
         return None
+    from urdfcheck.facts.inertials import inertia_tensor as inertia
+
     makers = {
         "box": lambda: inertia.make_box_solid(size),
         "cylinder": lambda: inertia.make_cylinder_solid(*size),

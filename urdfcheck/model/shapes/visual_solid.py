@@ -13,9 +13,9 @@ from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
 from urdfcheck.facts.mesh.topology import label_bodies
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Link, Shape
+from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation, is_dummy_shape
+from urdfcheck.model.shapes.bounds import Z_UP_ROTATIONS, compute_bounding_box, get_up_axis_rotation
 from urdfcheck.model.shapes.corners import compute_shape_corners
 from urdfcheck.model.shapes.mesh_sizes import get_mesh_scale, has_wrong_size
 from urdfcheck.model.shapes.solids import measure_shape_solid

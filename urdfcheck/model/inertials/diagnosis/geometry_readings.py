@@ -6,9 +6,8 @@ from collections.abc import Iterator
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.facts.inertials.declared_and_drawn import VisualGeometry
-from urdfcheck.model.parts import Link
+from urdfcheck.model.parts import Link, has_drawn_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import (
     has_unit_ambiguity,
     has_up_axis_ambiguity,

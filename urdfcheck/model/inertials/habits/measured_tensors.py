@@ -11,9 +11,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Link
+from urdfcheck.model.parts import Link, has_drawn_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import has_drawn_shape
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 
 if TYPE_CHECKING:

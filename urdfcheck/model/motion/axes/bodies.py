@@ -11,9 +11,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.collision_geometry import CollisionGeometry, PlacedGeometry
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.motion.collisions.setup import describe_joint, make_geometry
-from urdfcheck.model.parts import Joint, Shape
+from urdfcheck.model.parts import Joint, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.system.installation import compute_code_version, find_library_origin

@@ -9,8 +9,8 @@ from urdfcheck.model.motion import poses
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, SelfCollisions
 from urdfcheck.model.motion.collisions.setup import make_colliders, make_geometry
 from urdfcheck.model.motion.poses import JointConfigurations
+from urdfcheck.model.parts import is_dummy_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.bounds import is_dummy_shape
 from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 
 

@@ -9,6 +9,7 @@ from itertools import groupby
 import numpy as np
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.motion.kinematics import build_transform
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, SelfCollisions
 from urdfcheck.model.motion.collisions.setup import make_colliders
 from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list_displaced_collisions
@@ -49,7 +50,7 @@ def _find_freed_pairs(
 ) -> tuple[CollisionPair, ...]:
     """Return the pairs that do not meet with the collision shapes of a link moved; none if others meet that did not before."""
     setup = collisions.setup
-    poses = {id(one.collision.shape): one.visual.pose for one in displaced}
+    poses = {id(one.collision.shape): build_transform(one.visual.placement) for one in displaced}
     name = displaced[0].link.name
     placed = [
         replace(collider, pose=poses.get(id(shape), collider.pose))
