@@ -7,18 +7,18 @@ folder that cannot be written is not an error: missing results are computed agai
 from __future__ import annotations
 
 import contextlib
-import io
 import os
 import re
 import struct
 import time
 import zlib
 from collections.abc import Iterator, Mapping, MutableMapping
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.system.cache_folder import note_use, write_atomically
+from urdfcheck.system.cache_folder import create_atomically, note_use, write_atomically
 from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_with_digest
 from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, note_content
 
@@ -138,7 +138,7 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
         self._groups[name] = arrays
-        write_atomically(self._get_path(name), _encode_npz(arrays))
+        create_atomically(self._get_path(name), partial(_write_npz, arrays))
 
     def __delitem__(self, name: str) -> None:
         self._groups.pop(name, None)
@@ -174,7 +174,7 @@ _END = struct.Struct("<4s6xHII2x")
 
 
 def _iter_members(data: bytes) -> Iterator[tuple[str, bytes]]:
-    """Yield the names and contents of the arrays of an npz file as `_encode_npz` writes it; zipfile takes ten times as long for
+    """Yield the names and contents of the arrays of an npz file as `_write_npz` writes it; zipfile takes ten times as long for
     small ones.
 
     :raises ValueError, struct.error, UnicodeDecodeError: for any other content, and for a file that is damaged.
@@ -195,24 +195,24 @@ def _iter_members(data: bytes) -> Iterator[tuple[str, bytes]]:
         raise ValueError("the end is missing")
 
 
-def _encode_npz(arrays: Arrays) -> bytes:
-    """Encode arrays as an npz file; numpy.savez takes four times as long."""
+def _write_npz(arrays: Arrays, path: Path) -> None:
+    """Write arrays as an npz file, without a copy of their contents; numpy.savez takes four times as long for small ones."""
     import zipfile  # a run that computes nothing new does not need it
 
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
+    with zipfile.ZipFile(path, "w") as archive:
         for name, array in arrays.items():
             header = f"{{'descr': '{array.dtype.str}', 'fortran_order': False, 'shape': {array.shape}, }}"
             padded = header.ljust(-(len(header) + 11) % 64 + len(header)) + "\n"
             size = len(padded).to_bytes(2, "little")
-            archive.writestr(f"{name}.npy", b"\x93NUMPY\x01\x00" + size + padded.encode() + array.tobytes())
-    return buffer.getvalue()
+            with archive.open(f"{name}.npy", "w") as member:
+                member.write(b"\x93NUMPY\x01\x00" + size + padded.encode())
+                member.write(array.ravel().data)
 
 
 def _decode_npy(data: bytes) -> NDArray[Any]:
     """Decode an array of an npz file; it is read-only.
 
-    Only headers of the form that `_encode_npz` writes are accepted. np.load accepts any and evaluates each as Python, which
+    Only headers of the form that `_write_npz` writes are accepted. np.load accepts any and evaluates each as Python, which
     takes most of the time for a small array.
 
     :raises ValueError: for any other header.

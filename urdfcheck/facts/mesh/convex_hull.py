@@ -90,7 +90,7 @@ def _load_hulls() -> ModuleType:
         return manifold_hull
 
 
-def compute_convex_hull(points: Array) -> MeshHull:
+def compute_convex_hull(points: NDArray[np.floating]) -> MeshHull:
     """Compute the convex hull of ``points`` (n, 3); of more than `MOST_EXACT`, within `MOST_EXCESS`.
 
     :raises ImportError: when neither scipy nor Manifold is installed.
@@ -100,7 +100,7 @@ def compute_convex_hull(points: Array) -> MeshHull:
         bounded = _bound_hull(points) if len(points) > MOST_EXACT else None
         hull = bounded or qhull.ConvexHull(points)
     except (qhull.QhullError, ValueError):
-        return _make_flat_hull(points)
+        return _make_flat_hull(np.asarray(points, dtype=np.float64))
     corners = hull.points
     number = np.zeros(len(corners), dtype=np.int64)
     number[hull.vertices] = np.arange(len(hull.vertices))
@@ -135,7 +135,7 @@ def _make_flat_hull(points: Array) -> MeshHull:
     return MeshHull(vertices=corners, faces=faces, volume=0.0, area=area)
 
 
-def _bound_hull(points: Array) -> ConvexHull | None:
+def _bound_hull(points: NDArray[np.floating]) -> ConvexHull | None:
     """Compute the hull of so many of the points (n, 3) that none is outside by more than `MOST_EXCESS`; None where they are in a
     plane, and where their mean is not inside.
 
@@ -176,9 +176,9 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     return qhull.ConvexHull(points[np.concatenate((chosen, left))])
 
 
-def _centre_points(points: Array) -> _CentredPoints | None:
+def _centre_points(points: NDArray[np.floating]) -> _CentredPoints | None:
     """Take the points (n, 3) relative to their mean. None if they are in a plane, or too far apart for their squares."""
-    some = points[:: max(1, len(points) // _SAMPLE)]
+    some = points[:: max(1, len(points) // _SAMPLE)].astype(np.float64)
     centre = some.mean(axis=0)
     with np.errstate(all="ignore"):
         covariance = np.einsum("ni,nj->ij", some - centre, some - centre) / len(some)

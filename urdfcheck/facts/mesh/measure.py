@@ -249,7 +249,7 @@ class MeshFacts:
         """Exact for ordinary meshes: see `urdfcheck.facts.mesh.convex_hull.MOST_EXACT`."""
 
         def compute_hull() -> Mapping[str, NDArray[Any]]:
-            hull = compute_convex_hull(self.vertices)
+            hull = compute_convex_hull(self._surface["vertices"])
             sizes = np.array((hull.volume, hull.area, hull.excess))
             return {"vertices": hull.vertices, "faces": hull.faces, "sizes": sizes}
 
@@ -328,9 +328,9 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
         surface, edges, weld_distance = _weld_open_edges(surface, edges)
     vertices, faces = surface.vertices, surface.faces
     integrals = compute_mesh_moments(vertices, faces)
-    narrow = vertices.astype(np.float32)
+    narrow = vertices.astype(np.float32, copy=False)
     parts["surface"] = {
-        "vertices": _freeze_array(narrow if np.array_equal(narrow, vertices) else vertices),
+        "vertices": _freeze_array(narrow if narrow is vertices or np.array_equal(narrow, vertices) else vertices),
         "faces": _freeze_array(faces.astype(np.int32, copy=False)),
     }
     if edges.distinct_faces:
@@ -369,8 +369,7 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     }
     frozen: dict[str, Any] = {k: _freeze_array(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
     facts = MeshFacts(**frozen, parts=parts)
-    # These are in memory already, and more precise than those in ``parts``.
-    facts.__dict__.update(vertices=_freeze_array(vertices), _edges=edges)
+    facts.__dict__["_edges"] = edges
     return facts
 
 
@@ -433,7 +432,7 @@ def _weld_open_edges(surface: Surface, edges: Edges) -> tuple[Surface, Edges, fl
 
 def _measure_open_length(surface: Surface, edges: Edges) -> float:
     """Measure the length of all open edges."""
-    starts, ends = surface.vertices[edges.open[:, 0]], surface.vertices[edges.open[:, 1]]
+    starts, ends = (surface.vertices[column].astype(np.float64) for column in edges.open.T)
     return float(np.linalg.norm(ends - starts, axis=1).sum())
 
 

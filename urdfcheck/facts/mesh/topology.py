@@ -53,8 +53,8 @@ class Boundary:
 class Surface:
     """Triangles over vertices, all of which are used."""
 
-    vertices: Array
-    """(V, 3)"""
+    vertices: NDArray[np.floating]
+    """(V, 3), float32 or float64."""
     faces: Indices
     """(F, 3)"""
     collapsed: int = 0
@@ -83,9 +83,9 @@ class Edges:
     """Whether it is known that no two faces have the same corners."""
 
 
-def compute_bounds(points: Array) -> Array:
+def compute_bounds(points: NDArray[np.floating]) -> Array:
     """Compute the lowest and highest coordinates (2, 3), by columns: numpy takes twenty times as long for the whole array."""
-    return np.array([[column.min() for column in points.T], [column.max() for column in points.T]])
+    return np.array([[float(column.min()) for column in points.T], [float(column.max()) for column in points.T]])
 
 
 def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
@@ -97,13 +97,14 @@ def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
         points, faces = _drop_unused_points(points, faces)
     # A corner of a closed mesh is stored about six times, where each triangle stores its own.
     first = _find_first_equal_rows(points, len(points) // 4 if faces is None else 4 * len(points))
-    is_first = first == np.arange(len(first), dtype=first.dtype)
-    number = np.cumsum(is_first, dtype=first.dtype)
-    number -= 1
+    indices = np.arange(len(first), dtype=first.dtype)
+    firsts = np.flatnonzero(first == indices)
+    number = indices  # its memory: of the others it is not read
+    number[firsts] = np.arange(len(firsts), dtype=first.dtype)
     for chunk in _iter_chunks(len(first)):
         first[chunk] = np.take(number, first[chunk])
     corners = first.reshape(-1, 3) if faces is None else np.take(first, faces)
-    return drop_collapsed_faces(Surface(points[is_first].astype(np.float64) + 0.0, corners))  # -0 is 0
+    return drop_collapsed_faces(Surface(np.take(points, firsts, axis=0) + points.dtype.type(0), corners))  # -0 is 0
 
 
 def _find_first_equal_rows(rows: NDArray[Any], slots: int) -> Indices:
@@ -321,9 +322,9 @@ def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface
     return drop_collapsed_faces(Surface(vertices, faces, collapsed=surface.collapsed, repeated=surface.repeated))
 
 
-def _scale_to_cells(points: Array, distance: float) -> Array:
+def _scale_to_cells(points: NDArray[np.floating], distance: float) -> Array:
     """Return coordinates from the lowest corner, in cells of twice the distance."""
-    cells: Array = (points - compute_bounds(points)[0]) / (2.0 * distance)
+    cells: Array = (points - compute_bounds(points)[0]) / (2.0 * distance)  # in double precision
     return cells
 
 
