@@ -12,14 +12,14 @@ import re
 import struct
 import time
 import zlib
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.system.cache_folder import create_atomically, note_use, write_atomically
-from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_with_digest
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_pieces_with_digest, read_with_digest
 from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, note_content
 
 if TYPE_CHECKING:
@@ -48,10 +48,17 @@ class ArrayCache:
         """Return the groups of arrays of one key, which are read on access and written on assignment."""
         return {} if self.folder is None else _StoredEntry(self.folder / kind / key[:2] / key[2:])
 
-    def compute_digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
+    def compute_digest(
+        self,
+        path: Path,
+        limit: int = MAX_MESH,
+        read: Callable[[BinaryIO, int, Callable[[Any], object]], Any] | None = None,
+    ) -> tuple[str, Any]:
         """Compute the SHA-256 of a file's content, in hex; also return the content if it was read for that.
 
         A file whose times, size and inode are known is not read again.
+
+        :param read: see `urdfcheck.system.files.read_pieces_with_digest`; what it returns is the content.
 
         :raises FileTooLargeError: when it has more than ``limit`` bytes.
         :raises OSError: when it is not a regular file, or cannot be read.
@@ -71,7 +78,8 @@ class ArrayCache:
                 if known == stamp and len(digest) == 64:
                     note_content(path, status, digest)
                     return digest, None
-        data, digest = read_with_digest(path, limit)
+        in_pieces = read and read_pieces_with_digest(path, limit, read)
+        data, digest = in_pieces or read_with_digest(path, limit)
         if place is not None and time.time_ns() - status.st_mtime_ns > SETTLED_NS:
             write_atomically(place, f"{stamp} {digest}".encode("ascii"))
         return digest, data

@@ -43,6 +43,7 @@ if TYPE_CHECKING:
 
     from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
     from urdfcheck.facts.mesh.decode import RawMesh
+    from urdfcheck.facts.mesh.formats.binary_stl import BinaryStl
 
     Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
@@ -276,7 +277,7 @@ class MeshFacts:
 
 
 def measure_mesh(
-    data: bytes,
+    data: bytes | BinaryStl,
     file_type: str,
     parts: Parts | None = None,
     *,

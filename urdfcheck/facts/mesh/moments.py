@@ -54,7 +54,9 @@ def compute_mesh_moments(vertices: NDArray[np.floating], faces: Indices) -> Mesh
     flat = 0
     sums = np.zeros((2, 10))  # volume, area: weight, three first and six second moments
     for start in range(0, len(faces), _CHUNK):
-        a, b, c = np.ascontiguousarray(faces[start : start + _CHUNK].T, dtype=np.intp)  # once, and not for each of the nine
+        a, b, c = np.ascontiguousarray(
+            faces[start : start + _CHUNK].T, dtype=np.intp
+        )  # once, and not for each of the nine
         ax, ay, az, bx, by, bz, cx, cy, cz = (np.take(column, corner) for corner in (a, b, c) for column in (x, y, z))
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx

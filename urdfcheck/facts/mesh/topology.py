@@ -341,8 +341,7 @@ def _match_cells(cells: NDArray[Any], some: Indices) -> Bools:
 
 def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     """Classify the edges where the faces (F, 3), at least one, meet."""
-    backward = _find_backward_half_edges(faces)
-    if n_vertices <= 1 << _CORNER_BITS and 2 * np.count_nonzero(backward) == len(backward):
+    if n_vertices <= 1 << _CORNER_BITS:
         has_equal_faces = _pair_half_edges(faces)
         if has_equal_faces is not None:
             none = np.empty((0, 2), dtype=np.int64)
@@ -356,7 +355,7 @@ def classify_edges(faces: Indices, n_vertices: int) -> Edges:
                 distinct_faces=not has_equal_faces,
             )
     first = _find_first_equal_keys(_build_half_edges(faces), _spread_edges, n_vertices << 2)
-    count = np.bincount(first).astype(first.dtype)
+    count, backward = np.bincount(first).astype(first.dtype), _find_backward_half_edges(faces)
     balance = count - 2 * np.bincount(first[backward], minlength=len(count)).astype(first.dtype)
 
     def find_ends(chosen: Bools) -> Indices:
@@ -408,9 +407,9 @@ def _pair_half_edges(faces: Indices) -> bool | None:
     Each is a number of 64 bits: the edge, the third corner of the face and the direction. NumPy 2 sorts these with vector
     instructions, in less time than a table at random places takes.
     """
-    rows = np.empty((3, len(faces)), dtype=np.uint64)
+    rows, more_backward = np.empty((3, len(faces)), dtype=np.uint64), 0
     for chunk in _iter_chunks(len(faces)):
-        corners = np.ascontiguousarray(faces[chunk].T).astype(np.uint64)
+        corners = np.ascontiguousarray(faces[chunk].T, dtype=np.uint64)
         for row in range(3):
             a, b, third = corners[row], corners[(row + 1) % 3], corners[(row + 2) % 3]
             key = np.minimum(a, b) << _CORNER_BITS
@@ -418,14 +417,22 @@ def _pair_half_edges(faces: Indices) -> bool | None:
             key <<= _CORNER_BITS
             key |= third
             key <<= 1
-            np.bitwise_or(key, a > b, out=rows[row, chunk])
+            is_backward = a > b
+            more_backward += 2 * np.count_nonzero(is_backward) - len(is_backward)
+            np.bitwise_or(key, is_backward, out=rows[row, chunk])
+    if more_backward:
+        return None
     keys = rows.reshape(-1)
     keys.sort()
     edge = np.uint64(2 << _CORNER_BITS)  # at least this is between half edges of two edges
-    within, between = keys[::2] ^ keys[1::2], keys[1:-1:2] ^ keys[2::2]
-    if within.max() >= edge or between.min(initial=edge) < edge or not (within & np.uint64(1)).all():
-        return None
-    return bool(within.min() == 1)
+    has_equal_faces = False
+    for chunk in _iter_chunks(len(keys) // 2):  # new memory for all of them would take as long as what is computed
+        first, second, following = (keys[2 * chunk.start + shift : 2 * chunk.stop + shift : 2] for shift in range(3))
+        within, between = first ^ second, second[: len(following)] ^ following
+        if within.max() >= edge or between.min(initial=edge) < edge or not (within & np.uint64(1)).all():
+            return None
+        has_equal_faces |= bool(within.min() == 1)
+    return has_equal_faces
 
 
 def count_component_faces(faces: Indices, n_vertices: int) -> Indices:
