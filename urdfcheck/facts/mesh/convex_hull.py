@@ -151,7 +151,7 @@ def _bound_hull(points: NDArray[np.floating]) -> ConvexHull | None:
     chosen = np.concatenate((_select_outermost(seen), extremes))
     left = np.zeros(0, dtype=np.int64)
     for turn in range(_ROUNDS):
-        chosen = np.unique(chosen)
+        chosen = np.array(sorted({*chosen.tolist()}))  # numpy's unique would load its module for masked arrays
         hull = qhull.ConvexHull(points[chosen])
         of_face = seen.side[chosen[hull.simplices]]
         chosen = chosen[hull.vertices]
