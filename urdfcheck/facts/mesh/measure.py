@@ -32,6 +32,7 @@ from urdfcheck.facts.mesh.topology import (
     find_face_origins,
     find_points_near_rim,
     find_repeated_faces,
+    label_bodies,
     label_components,
     measure_gap_width,
     weld_exact,
@@ -227,6 +228,10 @@ class MeshFacts:
             return {"sizes": count_component_faces(self._surface["faces"], self.n_vertices)}
 
         return self._get_part("components", count_faces)["sizes"]
+
+    def label_bodies(self) -> Indices:
+        """Number the closed bodies from 0, and return that of each face: see `urdfcheck.facts.mesh.topology.label_bodies`."""
+        return label_bodies(self._surface["faces"], self.n_vertices)
 
     @cached_property
     def has_mixed_orientation(self) -> bool:
