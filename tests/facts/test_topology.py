@@ -96,6 +96,13 @@ def test_pieces_are_those_of_the_graph_of_their_edges(faces: list[tuple[int, int
     assert count_component_faces(array, 60).tolist() == sorted(Counter(labels.tolist()).values(), reverse=True)
 
 
+def test_bodies_that_touch_in_one_corner_are_two() -> None:
+    one = np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)])
+    both = np.concatenate((one, one + 3))
+    assert label_components(both, 7).tolist() == [0] * 8
+    assert label_bodies(both, 7).tolist() == [0] * 4 + [1] * 4
+
+
 def test_bodies_that_touch_along_an_edge_are_two_and_two_sides_of_one_sheet_are_repeated() -> None:
     one, other = (
         np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]),

@@ -23,6 +23,7 @@ from urdfcheck.system.installation import compute_code_version, find_library_ori
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.decode_limits import MeshError
+    from urdfcheck.facts.mesh.formats.binary_stl import BinaryStl
     from urdfcheck.facts.mesh.measure import MeshFacts
     from urdfcheck.system.array_cache import Entry
 
@@ -164,11 +165,11 @@ class _Content:
     path: Path
     digest: str
     """Of all of them."""
-    data: bytes | None
+    data: bytes | BinaryStl | None
     """What the file contains, if it was read."""
     buffers: Buffers | None = None
 
-    def read(self) -> bytes:
+    def read(self) -> bytes | BinaryStl:
         """Read the file unless that was done.
 
         :raises OSError: when it can no longer be read.
@@ -186,8 +187,10 @@ def _read_content(path: Path, cache: ArrayCache, finder: PackageFinder) -> _Cont
     :raises OSError: when a file cannot be read, or is too large.
     :raises MeshError: when there are too many buffers.
     """
+    from urdfcheck.facts.mesh.formats.binary_stl import read_binary_stl
+
     kind = _get_file_kind(path)
-    digest, data = cache.compute_digest(path)
+    digest, data = cache.compute_digest(path, read=read_binary_stl if kind == "stl" else None)
     content = _Content(path, digest, data)
     if kind not in GLTF_FORMATS:
         return content
@@ -205,7 +208,9 @@ def _list_buffers(content: _Content, known: Entry) -> tuple[str, ...]:
     from urdfcheck.facts.mesh.formats.gltf import list_buffer_files
 
     if "uris" not in known:
-        uris = list_buffer_files(content.read(), _get_file_kind(content.path))
+        data = content.read()
+        assert isinstance(data, bytes)
+        uris = list_buffer_files(data, _get_file_kind(content.path))
         known["uris"] = {"text": np.frombuffer(json.dumps(uris).encode(), dtype=np.uint8)}
     return tuple(json.loads(known["uris"]["text"].tobytes()))
 

@@ -7,19 +7,19 @@ folder that cannot be written is not an error: missing results are computed agai
 from __future__ import annotations
 
 import contextlib
-import io
 import os
 import re
 import struct
 import time
 import zlib
-from collections.abc import Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, BinaryIO
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.system.cache_folder import note_use, write_atomically
-from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_with_digest
+from urdfcheck.system.cache_folder import create_atomically, note_use, write_atomically
+from urdfcheck.system.files import MAX_MESH, FileTooLargeError, note_lookup, read_pieces_with_digest, read_with_digest
 from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, note_content
 
 if TYPE_CHECKING:
@@ -48,10 +48,17 @@ class ArrayCache:
         """Return the groups of arrays of one key, which are read on access and written on assignment."""
         return {} if self.folder is None else _StoredEntry(self.folder / kind / key[:2] / key[2:])
 
-    def compute_digest(self, path: Path, limit: int = MAX_MESH) -> tuple[str, bytes | None]:
+    def compute_digest(
+        self,
+        path: Path,
+        limit: int = MAX_MESH,
+        read: Callable[[BinaryIO, int, Callable[[Any], object]], Any] | None = None,
+    ) -> tuple[str, Any]:
         """Compute the SHA-256 of a file's content, in hex; also return the content if it was read for that.
 
         A file whose times, size and inode are known is not read again.
+
+        :param read: see `urdfcheck.system.files.read_pieces_with_digest`; what it returns is the content.
 
         :raises FileTooLargeError: when it has more than ``limit`` bytes.
         :raises OSError: when it is not a regular file, or cannot be read.
@@ -71,7 +78,8 @@ class ArrayCache:
                 if known == stamp and len(digest) == 64:
                     note_content(path, status, digest)
                     return digest, None
-        data, digest = read_with_digest(path, limit)
+        in_pieces = read and read_pieces_with_digest(path, limit, read)
+        data, digest = in_pieces or read_with_digest(path, limit)
         if place is not None and time.time_ns() - status.st_mtime_ns > SETTLED_NS:
             write_atomically(place, f"{stamp} {digest}".encode("ascii"))
         return digest, data
@@ -138,7 +146,7 @@ class _StoredEntry(MutableMapping[str, "Arrays"]):
 
     def __setitem__(self, name: str, arrays: Arrays) -> None:
         self._groups[name] = arrays
-        write_atomically(self._get_path(name), _encode_npz(arrays))
+        create_atomically(self._get_path(name), partial(_write_npz, arrays))
 
     def __delitem__(self, name: str) -> None:
         self._groups.pop(name, None)
@@ -174,7 +182,7 @@ _END = struct.Struct("<4s6xHII2x")
 
 
 def _iter_members(data: bytes) -> Iterator[tuple[str, bytes]]:
-    """Yield the names and contents of the arrays of an npz file as `_encode_npz` writes it; zipfile takes ten times as long for
+    """Yield the names and contents of the arrays of an npz file as `_write_npz` writes it; zipfile takes ten times as long for
     small ones.
 
     :raises ValueError, struct.error, UnicodeDecodeError: for any other content, and for a file that is damaged.
@@ -195,24 +203,24 @@ def _iter_members(data: bytes) -> Iterator[tuple[str, bytes]]:
         raise ValueError("the end is missing")
 
 
-def _encode_npz(arrays: Arrays) -> bytes:
-    """Encode arrays as an npz file; numpy.savez takes four times as long."""
+def _write_npz(arrays: Arrays, path: Path) -> None:
+    """Write arrays as an npz file, without a copy of their contents; numpy.savez takes four times as long for small ones."""
     import zipfile  # a run that computes nothing new does not need it
 
-    buffer = io.BytesIO()
-    with zipfile.ZipFile(buffer, "w") as archive:
+    with zipfile.ZipFile(path, "w") as archive:
         for name, array in arrays.items():
             header = f"{{'descr': '{array.dtype.str}', 'fortran_order': False, 'shape': {array.shape}, }}"
             padded = header.ljust(-(len(header) + 11) % 64 + len(header)) + "\n"
             size = len(padded).to_bytes(2, "little")
-            archive.writestr(f"{name}.npy", b"\x93NUMPY\x01\x00" + size + padded.encode() + array.tobytes())
-    return buffer.getvalue()
+            with archive.open(f"{name}.npy", "w") as member:
+                member.write(b"\x93NUMPY\x01\x00" + size + padded.encode())
+                member.write(array.ravel().data)
 
 
 def _decode_npy(data: bytes) -> NDArray[Any]:
     """Decode an array of an npz file; it is read-only.
 
-    Only headers of the form that `_encode_npz` writes are accepted. np.load accepts any and evaluates each as Python, which
+    Only headers of the form that `_write_npz` writes are accepted. np.load accepts any and evaluates each as Python, which
     takes most of the time for a small array.
 
     :raises ValueError: for any other header.

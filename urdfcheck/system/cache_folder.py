@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 from urdfcheck.system.observing.questions import compute_sha256
@@ -43,13 +44,18 @@ def explain_unusable_folder(folder: Path) -> str | None:
 
 def write_atomically(path: Path, data: bytes) -> None:
     """Write a file atomically, even if other processes write the same one."""
+    create_atomically(path, lambda temporary: temporary.write_bytes(data))
+
+
+def create_atomically(path: Path, write: Callable[[Path], object]) -> None:
+    """Do the same with what ``write`` writes to the path that it is given."""
     temporary = path.with_name(f".{os.urandom(8).hex()}-{path.name}")
     try:
         try:
-            temporary.write_bytes(data)
+            write(temporary)
         except FileNotFoundError:
             path.parent.mkdir(parents=True, exist_ok=True)
-            temporary.write_bytes(data)
+            write(temporary)
         os.replace(temporary, path)
     except OSError:
         with contextlib.suppress(OSError):

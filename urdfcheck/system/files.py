@@ -22,7 +22,7 @@ from urdfcheck.system.observing.questions import SETTLED_NS, compute_sha256, is_
 TYPE_CHECKING = False
 
 if TYPE_CHECKING:
-    from typing import BinaryIO, TypeVar
+    from typing import Any, BinaryIO, TypeVar
 
     Content = TypeVar("Content")
 
@@ -134,6 +134,28 @@ def read_text_or_nothing(path: Path, limit: int = MAX_TEXT) -> str:
 def read_with_digest(path: Path, limit: int) -> tuple[bytes, str]:
     """Do the same as `read_regular`, and return the SHA-256 of the bytes, in hex, too."""
     return _read_whole(path, limit, with_digest=True)
+
+
+def read_pieces_with_digest(
+    path: Path, limit: int, read: Callable[[BinaryIO, int, Callable[[Any], object]], Content | None]
+) -> tuple[Content, str] | None:
+    """Return what ``read`` makes of a regular file, and the SHA-256 of its bytes, in hex.
+
+    ``read`` gets the open file, its size, and a function to which it passes each piece. None when it returns None, and for a
+    file of more than ``limit`` bytes.
+
+    :raises OSError: as `read_regular`.
+    """
+    import hashlib
+
+    digest = hashlib.sha256()
+    with _open_regular(path) as (file, size, status):
+        note_content(path, status)
+        found = read(file, size, digest.update) if size <= limit else None
+    if found is None:
+        return None
+    note_content(path, status, digest.hexdigest())
+    return found, digest.hexdigest()
 
 
 def _read_whole(path: Path, limit: int, *, with_digest: bool) -> tuple[bytes, str]:

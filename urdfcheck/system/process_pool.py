@@ -35,8 +35,8 @@ _FEW, _PATIENCE = 4, 0.3
 _PR_SET_PDEATHSIG = 1
 # From glibc's malloc.h: how much free memory a process keeps at most, and the least block that it gives back at once.
 _M_TRIM_THRESHOLD, _M_MMAP_THRESHOLD = -1, -3
-# To keep the largest blocks saves nothing more, and takes a fifth more memory.
-_KEPT_BYTES, _KEPT_BLOCK = 256 * 1024**2, 16 * 1024**2
+# glibc takes no greater block. To keep all of them (M_MMAP_MAX) saves nothing more, and takes a fifth more memory.
+_KEPT_BYTES, _KEPT_BLOCK = 256 * 1024**2, 32 * 1024**2
 # Bytes of an answer; the texts of its files have at most an eighth of it.
 MAX_ANSWER = 1024**3
 # Seconds without a job after which a worker looks for garbage, rather than before its next job.

@@ -14,6 +14,7 @@ import numpy as np
 
 from urdfcheck.facts.mesh.decode import RawMesh, decode_mesh
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
+from urdfcheck.facts.mesh.formats.binary_stl import BinaryStl
 
 # The formats of robots. Not glTF, whose buffers are other files; not OFF and PLY, of which hand-made files crash Assimp 6.0.
 FORMATS = frozenset({"stl", "obj", "dae"})
@@ -31,7 +32,7 @@ SEVERAL_TEXTS = frozenset({"entities", "encoding"})
 
 
 def decode_with_assimp(
-    data: bytes, file_type: str, path: Path | None, files: Mapping[str, bytes | MeshError] | None = None
+    data: bytes | BinaryStl, file_type: str, path: Path | None, files: Mapping[str, bytes | MeshError] | None = None
 ) -> RawMesh:
     """Decode a mesh as `decode_mesh` does, and ask Assimp about the file at ``path`` where that fails or leaves a doubt.
 
@@ -56,12 +57,14 @@ def decode_with_assimp(
     return replace(mesh, assimp="loads")
 
 
-def _can_ask(data: bytes, file_type: str) -> bool:
+def _can_ask(data: bytes | BinaryStl, file_type: str) -> bool:
     """Whether Assimp opens no other file for this one, and comes to an end.
 
     It would open the materials of OBJ, whatever the place that is named; a backslash may continue their keyword in the next
     line. In COLLADA it goes down by calling itself, without a limit, and into nodes that stand for each other: its stack ends.
     """
+    if isinstance(data, BinaryStl):
+        return True
     if file_type == "obj":
         return not (b"mtllib" in data or b"\\" in data)
     if file_type == "dae":

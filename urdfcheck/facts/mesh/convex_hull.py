@@ -36,6 +36,8 @@ MOST_EXCESS = 1e-3
 _CHOOSING, _BOUNDING = 32, 64
 # Rounds in which the farthest point outside of each face is added. A few are enough; what is left after these is added whole.
 _ROUNDS = 20
+# About so many of the points are enough to find the middle, the spread, and the first corners of the hull.
+_SAMPLE = 50_000
 # What a volume may be too large by.
 _ROUNDING = 1e-6
 # Items processed at a time: their temporaries stay in the processor's cache. More products at once are shared among threads by
@@ -67,6 +69,12 @@ class _CentredPoints:
     """``point - centre = to_points @ ray``."""
     rays: Floats
     """(3, n)"""
+    side: NDArray[np.int8]
+    """(n,), see `_project`; so are the next two."""
+    places: Floats
+    """(2, n)"""
+    height: Floats
+    """(n,)"""
 
 
 def _load_hulls() -> ModuleType:
@@ -82,7 +90,7 @@ def _load_hulls() -> ModuleType:
         return manifold_hull
 
 
-def compute_convex_hull(points: Array) -> MeshHull:
+def compute_convex_hull(points: NDArray[np.floating]) -> MeshHull:
     """Compute the convex hull of ``points`` (n, 3); of more than `MOST_EXACT`, within `MOST_EXCESS`.
 
     :raises ImportError: when neither scipy nor Manifold is installed.
@@ -92,7 +100,7 @@ def compute_convex_hull(points: Array) -> MeshHull:
         bounded = _bound_hull(points) if len(points) > MOST_EXACT else None
         hull = bounded or qhull.ConvexHull(points)
     except (qhull.QhullError, ValueError):
-        return _make_flat_hull(points)
+        return _make_flat_hull(np.asarray(points, dtype=np.float64))
     corners = hull.points
     number = np.zeros(len(corners), dtype=np.int64)
     number[hull.vertices] = np.arange(len(hull.vertices))
@@ -127,7 +135,7 @@ def _make_flat_hull(points: Array) -> MeshHull:
     return MeshHull(vertices=corners, faces=faces, volume=0.0, area=area)
 
 
-def _bound_hull(points: Array) -> ConvexHull | None:
+def _bound_hull(points: NDArray[np.floating]) -> ConvexHull | None:
     """Compute the hull of so many of the points (n, 3) that none is outside by more than `MOST_EXCESS`; None where they are in a
     plane, and where their mean is not inside.
 
@@ -140,12 +148,12 @@ def _bound_hull(points: Array) -> ConvexHull | None:
         return None
     longest = float(np.linalg.norm([np.abs(column).max() for column in seen.rays]))  # or somewhat more
     extremes = [place for column in points.T for place in (column.argmin(), column.argmax())]
-    chosen = np.concatenate((_select_outermost(seen.rays), extremes))
+    chosen = np.concatenate((_select_outermost(seen), extremes))
     left = np.zeros(0, dtype=np.int64)
     for turn in range(_ROUNDS):
-        chosen = np.unique(chosen)
+        chosen = np.array(sorted({*chosen.tolist()}))  # numpy's unique would load its module for masked arrays
         hull = qhull.ConvexHull(points[chosen])
-        corners = seen.rays[:, chosen[hull.simplices]]
+        of_face = seen.side[chosen[hull.simplices]]
         chosen = chosen[hull.vertices]
         slopes = _compute_slopes(hull.equations, seen)
         if slopes is None:
@@ -154,8 +162,10 @@ def _bound_hull(points: Array) -> ConvexHull | None:
         rounding = 16.0 * float(np.finfo(np.float32).eps) * longest * float(np.linalg.norm(slopes, axis=1).max())
         limit = 1.0 + MOST_EXCESS - rounding
         if turn == 0:
-            left = _find_doubtful(seen.rays, _measure_grid_gauge(slopes, corners), limit)
-        gauge, face = _measure_gauge(seen.rays[:, left].T, slopes)
+            grid = _make_grid(np.linspace(-1.0, 1.0, _BOUNDING + 1))
+            of_point = np.repeat(np.arange(6), len(grid) // 6)
+            left = _find_doubtful(seen, _measure_gauge(grid, of_point, slopes, of_face)[0], limit)
+        gauge, face = _measure_gauge(seen.rays[:, left].T, seen.side[left], slopes, of_face)
         is_outside = gauge > limit
         left, gauge, face = left[is_outside], gauge[is_outside], face[is_outside]
         if not len(left):
@@ -166,25 +176,26 @@ def _bound_hull(points: Array) -> ConvexHull | None:
     return qhull.ConvexHull(points[np.concatenate((chosen, left))])
 
 
-def _centre_points(points: Array) -> _CentredPoints | None:
+def _centre_points(points: NDArray[np.floating]) -> _CentredPoints | None:
     """Take the points (n, 3) relative to their mean. None if they are in a plane, or too far apart for their squares."""
-    centre = points.mean(axis=0)
+    some = points[:: max(1, len(points) // _SAMPLE)].astype(np.float64)
+    centre = some.mean(axis=0)
     with np.errstate(all="ignore"):
-        covariance = sum(
-            np.einsum("ni,nj->ij", part, part)
-            for start in range(0, len(points), _CHUNK)
-            for part in (points[start : start + _CHUNK] - centre,)
-        ) / len(points)
+        covariance = np.einsum("ni,nj->ij", some - centre, some - centre) / len(some)
     if not np.isfinite(covariance).all():
         return None
     variances, axes = np.linalg.eigh(covariance)
     if not variances[0] > 1e-12 * variances[2]:
         return None
     spreads = np.sqrt(variances)
-    rays = np.empty((3, len(points)), dtype=np.float32)
+    rays, side = np.empty((3, len(points)), dtype=np.float32), np.empty(len(points), dtype=np.int8)
+    places, height = np.empty_like(rays[:2]), np.empty_like(rays[0])
+    turn = (axes / spreads).T
     for start in range(0, len(points), _CHUNK):
-        rays[:, start : start + _CHUNK] = ((points[start : start + _CHUNK] - centre) @ (axes / spreads)).T
-    return _CentredPoints(centre, axes * spreads, rays)
+        chunk = slice(start, start + _CHUNK)
+        rays[:, chunk] = turn @ np.subtract(points[chunk].T, centre[:, None], order="C")
+        side[chunk], places[:, chunk], height[chunk] = _project(rays[:, chunk])
+    return _CentredPoints(centre, axes * spreads, rays, side, places, height)
 
 
 def _compute_slopes(planes: Array, seen: _CentredPoints) -> Floats | None:
@@ -197,64 +208,68 @@ def _compute_slopes(planes: Array, seen: _CentredPoints) -> Floats | None:
     return slopes
 
 
-def _measure_gauge(rays: NDArray[Any], slopes: Floats) -> tuple[Floats, Indices]:
-    """Measure the gauge (n,) of rays (n, 3), and say on which face it is."""
+def _measure_gauge(
+    rays: NDArray[Any], side: NDArray[Any], slopes: Floats, of_face: NDArray[Any]
+) -> tuple[Floats, Indices]:
+    """Measure the gauge (n,) of rays (n, 3), and say on which face it is.
+
+    ``side``: on which side of the cube each ray is seen, and ``of_face`` (F, 3): where the corners of each face are. A face whose
+    corners are seen on one side is seen there as a whole: it is left out on the others.
+    """
     gauge, face = np.empty(len(rays), dtype=np.float32), np.empty(len(rays), dtype=np.int64)
-    rows = max(1, _MOST_PRODUCTS // len(slopes))
-    products, across = np.empty((rows, len(slopes)), dtype=np.float32), np.ascontiguousarray(slopes.T)
-    for start in range(0, len(rays), rows):
-        some = np.matmul(rays[start : start + rows], across, out=products[: min(rows, len(rays) - start)])
-        face[start : start + rows] = some.argmax(axis=1)
-        gauge[start : start + rows] = some[np.arange(len(some)), face[start : start + rows]]
+    is_on_one = (of_face == of_face[:, :1]).all(axis=1)
+    for number in range(6):
+        some, seen = np.flatnonzero(side == number), np.flatnonzero(~is_on_one | (of_face[:, 0] == number))
+        gauge[some], places = _find_greatest(rays[some], slopes[seen])
+        face[some] = seen[places]
     return gauge, face
 
 
-def _measure_grid_gauge(slopes: Floats, corners: Floats) -> Floats:
-    """Measure the gauge of the points of the bounding grid; ``corners`` (3, F, 3): those of the faces.
+def _find_greatest(rays: NDArray[Any], slopes: Floats) -> tuple[Floats, Indices]:
+    """Find the greatest product (n,) of each ray (n, 3) and a slope (F, 3), and which slope that is."""
+    greatest, place = np.empty(len(rays), dtype=np.float32), np.empty(len(rays), dtype=np.int64)
+    rows = max(1, _MOST_PRODUCTS // max(1, len(slopes)))
+    products, across = np.empty((rows, len(slopes)), dtype=np.float32), np.ascontiguousarray(slopes.T)
+    for start in range(0, len(rays), rows):
+        some = np.matmul(rays[start : start + rows], across, out=products[: min(rows, len(rays) - start)])
+        place[start : start + rows] = some.argmax(axis=1)
+        greatest[start : start + rows] = some[np.arange(len(some)), place[start : start + rows]]
+    return greatest, place
 
-    A face whose corners are seen on one side of the cube is seen there as a whole: it is left out on the others.
-    """
-    sides = np.stack([_project(rays)[0] for rays in np.moveaxis(corners, 2, 0)])
-    is_on_one = (sides == sides[0]).all(axis=0)
-    grid = _make_grid(np.linspace(-1.0, 1.0, _BOUNDING + 1)).reshape(6, -1, 3)
-    parts = [_measure_gauge(grid[side], slopes[~is_on_one | (sides[0] == side)])[0] for side in range(6)]
-    return np.concatenate(parts)
 
-
-def _find_doubtful(rays: Floats, gauge: Floats, limit: float) -> Indices:
+def _find_doubtful(seen: _CentredPoints, gauge: Floats, limit: float) -> Indices:
     """Find the rays whose gauge may be above the limit: where what is interpolated between the three corners of a grid is, on
     whose points it is ``gauge``."""
     count = _BOUNDING + 1
     doubtful = []
-    for start in range(0, rays.shape[1], _CHUNK):
-        side, places, height = _project(rays[:, start : start + _CHUNK])
-        places *= _BOUNDING
+    for start in range(0, len(seen.side), _CHUNK):
+        chunk = slice(start, start + _CHUNK)
+        places = seen.places[:, chunk] * np.float32(_BOUNDING)
         square = np.minimum(places.astype(np.int32), _BOUNDING - 1)
         across, along = places - square
-        corner = (side * count + square[0]) * count + square[1]
+        corner = (seen.side[chunk] * np.intp(count) + square[0]) * count + square[1]
         # Each square is cut along its diagonal from the lowest to the highest corner.
-        lowest, highest = gauge[corner], gauge[corner + count + 1]
-        third = gauge[corner + np.where(across > along, count, 1)]
+        lowest, highest = np.take(gauge, corner), np.take(gauge, corner + (count + 1))
+        third = np.take(gauge, corner + np.where(across > along, count, 1))
         far, near = np.maximum(across, along), np.minimum(across, along)
-        bound = height * (lowest + (third - lowest) * far + (highest - third) * near)
+        bound = seen.height[chunk] * (lowest + (third - lowest) * far + (highest - third) * near)
         doubtful.append(start + np.flatnonzero(bound > limit))
     return np.concatenate(doubtful)
 
 
-def _select_outermost(rays: Floats) -> Indices:
+def _select_outermost(seen: _CentredPoints) -> Indices:
     """Find the ray that reaches farthest in the direction of each square of a grid."""
     middles = _make_grid((np.arange(_CHOOSING) + 0.5) / _CHOOSING * 2.0 - 1.0)
     middles /= np.linalg.norm(middles, axis=1)[:, None]
     columns = np.ascontiguousarray(middles.T)
-    squares, reach = np.empty(rays.shape[1], dtype=np.int32), np.empty(rays.shape[1], dtype=np.float32)
-    for start in range(0, rays.shape[1], _CHUNK):
+    squares, reach = np.empty(len(seen.side), dtype=np.int32), np.empty(len(seen.side), dtype=np.float32)
+    for start in range(0, len(squares), _CHUNK):
         chunk = slice(start, start + _CHUNK)
-        side, places, _ = _project(rays[:, chunk])
-        across, along = np.minimum((places * _CHOOSING).astype(np.int32), _CHOOSING - 1)
-        squares[chunk] = (side * _CHOOSING + across) * _CHOOSING + along
-        x, y, z = rays[:, chunk]
+        across, along = np.minimum((seen.places[:, chunk] * np.float32(_CHOOSING)).astype(np.intp), _CHOOSING - 1)
+        square = (seen.side[chunk] * np.intp(_CHOOSING) + across) * _CHOOSING + along
+        squares[chunk] = square
         reach[chunk] = sum(
-            ray * np.take(column, squares[chunk]) for ray, column in zip((x, y, z), columns, strict=True)
+            ray * np.take(column, square) for ray, column in zip(seen.rays[:, chunk], columns, strict=True)
         )
     farthest = np.full(len(middles), -np.inf, dtype=np.float32)
     np.maximum.at(farthest, squares, reach)
@@ -267,11 +282,17 @@ def _select_outermost(rays: Floats) -> Indices:
 def _project(rays: Floats) -> tuple[Indices, Floats, Floats]:
     """Project rays (3, n) onto a cube of edge 2 about the centre: return the number (n,) of its side, the places (2, n) on that,
     from 0 to 1, and how many times as far the rays reach (n,)."""
-    axis, place = np.abs(rays).argmax(axis=0), np.arange(rays.shape[1])
-    reach = rays[axis, place]
-    height = np.maximum(np.abs(reach), np.finfo(np.float32).tiny)
-    places = np.stack((rays[(axis + 1) % 3, place], rays[(axis + 2) % 3, place]))
-    return 2 * axis + (reach < 0.0), (places / height + np.float32(1.0)) * np.float32(0.5), height
+    x, y, z = rays
+    along_x, along_y, along_z = np.abs(rays)
+    height = np.maximum(np.maximum(along_x, along_y), along_z)
+    is_x, is_y = along_x == height, along_y == height
+    reach = np.where(is_x, x, np.where(is_y, y, z))
+    places = np.stack((np.where(is_x, y, np.where(is_y, z, x)), np.where(is_x, z, np.where(is_y, x, y))))
+    np.maximum(height, np.finfo(np.float32).tiny, out=height)
+    places /= height
+    places += np.float32(1.0)
+    places *= np.float32(0.5)
+    return np.where(is_x, 0, np.where(is_y, 2, 4)) + (reach < 0.0), places, height
 
 
 def _make_grid(places: Array) -> Floats:

@@ -10,12 +10,14 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from io import BytesIO
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
+from urdfcheck.facts.mesh.formats.binary_stl import FACET, HEADER, BinaryStl, count_facets, read_binary_stl
 from urdfcheck.facts.mesh.formats.gltf import read_glb_parts, read_gltf_parts
 from urdfcheck.facts.mesh.formats.number_text import TokenizedText
 from urdfcheck.facts.mesh.formats.ply import read_ply
@@ -35,8 +37,6 @@ if TYPE_CHECKING:
 
 # The characters of plain text.
 _TEXT = bytes([*range(9, 14), *range(32, 127)])
-_STL_HEADER = 84
-_STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE_END = re.compile(rb"[\r\n]")
 _BOM = b"\xef\xbb\xbf"
@@ -77,7 +77,9 @@ class RawMesh:
         return len(self.vertices) // 3 if self.faces is None else len(self.faces)
 
 
-def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshError] | None = None) -> RawMesh:
+def decode_mesh(
+    data: bytes | BinaryStl, file_type: str, files: Mapping[str, bytes | MeshError] | None = None
+) -> RawMesh:
     """Decode the triangles of a mesh file; ``file_type`` is its extension in lower case, without the dot.
 
     ``files``: of glTF, see `urdfcheck.facts.mesh.formats.gltf.read_gltf_parts`.
@@ -86,9 +88,11 @@ def decode_mesh(data: bytes, file_type: str, files: Mapping[str, bytes | MeshErr
     :raises ImportError: when the library that reads the format is not installed.
     :raises MemoryError: when there is not enough memory for what the file contains or declares.
     """
-    _refuse_impostors(data, file_type)
+    _refuse_impostors(data.start if isinstance(data, BinaryStl) else data, file_type)
     try:
-        if file_type in _GLTF_READERS:
+        if isinstance(data, BinaryStl):
+            mesh = _make_binary_stl(data)
+        elif file_type in _GLTF_READERS:
             mesh = _join_parts(file_type, _GLTF_READERS[file_type](data, files or {}))
         else:
             mesh = _DECODERS[file_type](data)
@@ -121,16 +125,25 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
             raise MeshError("malformed", f"is named {file_type} but begins like a {name} file")
 
 
+def _make_binary_stl(stl: BinaryStl) -> RawMesh:
+    return RawMesh(
+        format="stl-binary", vertices=stl.take_corners(), faces=None, solid_header=_begins_with_solid(stl.start)
+    )
+
+
+def _begins_with_solid(data: bytes) -> bool:
+    return data[:512].lstrip()[:5].lower() == b"solid"
+
+
 def _decode_stl(data: bytes) -> RawMesh:
-    # The size decides, not the first word: CAD systems write binary files whose header begins with "solid".
-    declared = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else 0
-    expected = _STL_HEADER + declared * _STL_FACET.itemsize
-    solid = data[:512].lstrip()[:5].lower() == b"solid"
-    if len(data) >= _STL_HEADER and len(data) == expected:
+    declared = int.from_bytes(data[80:84], "little") if len(data) >= HEADER else 0
+    expected = HEADER + declared * FACET.itemsize
+    solid = _begins_with_solid(data)
+    if count_facets(data, len(data)) is not None:
         ensure_size_limits(declared)
-        corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
-        vertices = np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3)
-        return RawMesh(format="stl-binary", vertices=vertices, faces=None, solid_header=solid)
+        stl = read_binary_stl(BytesIO(data), len(data))
+        assert stl is not None
+        return _make_binary_stl(stl)
     text = data.rstrip(b"\0")
     if solid and b"\0" not in text:
         return _decode_ascii_stl(text)
@@ -138,9 +151,9 @@ def _decode_stl(data: bytes) -> RawMesh:
     if start and not solid and start.translate(None, _TEXT) == b"":
         begin = start[:40].splitlines()[0].decode()
         raise MeshError("text", f"is text, but no STL file: it begins with {begin!r}")
-    if len(data) < _STL_HEADER:
+    if len(data) < HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, while a binary STL's header alone has 84")
-    present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
+    present = (len(data) - HEADER) // FACET.itemsize
     if len(data) < expected:
         raise MeshError(
             "truncated",

@@ -32,6 +32,7 @@ from urdfcheck.facts.mesh.topology import (
     find_face_origins,
     find_points_near_rim,
     find_repeated_faces,
+    label_bodies,
     label_components,
     measure_gap_width,
     weld_exact,
@@ -43,6 +44,7 @@ if TYPE_CHECKING:
 
     from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
     from urdfcheck.facts.mesh.decode import RawMesh
+    from urdfcheck.facts.mesh.formats.binary_stl import BinaryStl
 
     Parts = MutableMapping[str, Mapping[str, NDArray[Any]]]
 
@@ -227,6 +229,10 @@ class MeshFacts:
 
         return self._get_part("components", count_faces)["sizes"]
 
+    def label_bodies(self) -> Indices:
+        """Number the closed bodies from 0, and return that of each face: see `urdfcheck.facts.mesh.topology.label_bodies`."""
+        return label_bodies(self._surface["faces"], self.n_vertices)
+
     @cached_property
     def has_mixed_orientation(self) -> bool:
         """Whether one of several bodies faces inwards while the others face outwards, and is not a hollow in them: its volume is
@@ -249,7 +255,7 @@ class MeshFacts:
         """Exact for ordinary meshes: see `urdfcheck.facts.mesh.convex_hull.MOST_EXACT`."""
 
         def compute_hull() -> Mapping[str, NDArray[Any]]:
-            hull = compute_convex_hull(self.vertices)
+            hull = compute_convex_hull(self._surface["vertices"])
             sizes = np.array((hull.volume, hull.area, hull.excess))
             return {"vertices": hull.vertices, "faces": hull.faces, "sizes": sizes}
 
@@ -276,7 +282,7 @@ class MeshFacts:
 
 
 def measure_mesh(
-    data: bytes,
+    data: bytes | BinaryStl,
     file_type: str,
     parts: Parts | None = None,
     *,
@@ -328,9 +334,9 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
         surface, edges, weld_distance = _weld_open_edges(surface, edges)
     vertices, faces = surface.vertices, surface.faces
     integrals = compute_mesh_moments(vertices, faces)
-    narrow = vertices.astype(np.float32)
+    narrow = vertices.astype(np.float32, copy=False)
     parts["surface"] = {
-        "vertices": _freeze_array(narrow if np.array_equal(narrow, vertices) else vertices),
+        "vertices": _freeze_array(narrow if narrow is vertices or np.array_equal(narrow, vertices) else vertices),
         "faces": _freeze_array(faces.astype(np.int32, copy=False)),
     }
     if edges.distinct_faces:
@@ -369,8 +375,7 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     }
     frozen: dict[str, Any] = {k: _freeze_array(v) if isinstance(v, np.ndarray) else v for k, v in fields.items()}
     facts = MeshFacts(**frozen, parts=parts)
-    # These are in memory already, and more precise than those in ``parts``.
-    facts.__dict__.update(vertices=_freeze_array(vertices), _edges=edges)
+    facts.__dict__["_edges"] = edges
     return facts
 
 
@@ -433,7 +438,7 @@ def _weld_open_edges(surface: Surface, edges: Edges) -> tuple[Surface, Edges, fl
 
 def _measure_open_length(surface: Surface, edges: Edges) -> float:
     """Measure the length of all open edges."""
-    starts, ends = surface.vertices[edges.open[:, 0]], surface.vertices[edges.open[:, 1]]
+    starts, ends = (surface.vertices[column].astype(np.float64) for column in edges.open.T)
     return float(np.linalg.norm(ends - starts, axis=1).sum())
 
 

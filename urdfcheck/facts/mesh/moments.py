@@ -14,6 +14,8 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.topology import compute_bounds
 
 if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
     from urdfcheck.facts.arrays import Array, Indices, Mat3, Vec3
 
 
@@ -43,17 +45,18 @@ class MeshMoments:
     """Number of triangles without area."""
 
 
-def compute_mesh_moments(vertices: Array, faces: Indices) -> MeshMoments:
-    """Integrate over the triangles ``faces`` (F, 3), at least one, of ``vertices`` (V, 3)."""
+def compute_mesh_moments(vertices: NDArray[np.floating], faces: Indices) -> MeshMoments:
+    """Integrate over the triangles ``faces`` (F, 3), at least one, of ``vertices`` (V, 3), in double precision."""
     low, high = compute_bounds(vertices)
     reference, size = (low + high) / 2.0, float((high - low).max())
     # Per column x, y, z: contiguous, and every step below is one pass over numbers in the cache.
-    x, y, z = (np.ascontiguousarray(column) for column in (vertices - reference).T)
-    corners = np.ascontiguousarray(faces.T)
+    x, y, z = (column - middle for column, middle in zip(vertices.T, reference, strict=True))
     flat = 0
     sums = np.zeros((2, 10))  # volume, area: weight, three first and six second moments
     for start in range(0, len(faces), _CHUNK):
-        a, b, c = corners[:, start : start + _CHUNK].astype(np.intp)  # once, and not for each of the nine
+        a, b, c = np.ascontiguousarray(
+            faces[start : start + _CHUNK].T, dtype=np.intp
+        )  # once, and not for each of the nine
         ax, ay, az, bx, by, bz, cx, cy, cz = (np.take(column, corner) for corner in (a, b, c) for column in (x, y, z))
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx

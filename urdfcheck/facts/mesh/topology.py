@@ -53,8 +53,8 @@ class Boundary:
 class Surface:
     """Triangles over vertices, all of which are used."""
 
-    vertices: Array
-    """(V, 3)"""
+    vertices: NDArray[np.floating]
+    """(V, 3), float32 or float64."""
     faces: Indices
     """(F, 3)"""
     collapsed: int = 0
@@ -83,9 +83,9 @@ class Edges:
     """Whether it is known that no two faces have the same corners."""
 
 
-def compute_bounds(points: Array) -> Array:
+def compute_bounds(points: NDArray[np.floating]) -> Array:
     """Compute the lowest and highest coordinates (2, 3), by columns: numpy takes twenty times as long for the whole array."""
-    return np.array([[column.min() for column in points.T], [column.max() for column in points.T]])
+    return np.array([[float(column.min()) for column in points.T], [float(column.max()) for column in points.T]])
 
 
 def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
@@ -97,13 +97,14 @@ def weld_exact(points: NDArray[Any], faces: Indices | None) -> Surface:
         points, faces = _drop_unused_points(points, faces)
     # A corner of a closed mesh is stored about six times, where each triangle stores its own.
     first = _find_first_equal_rows(points, len(points) // 4 if faces is None else 4 * len(points))
-    is_first = first == np.arange(len(first), dtype=first.dtype)
-    number = np.cumsum(is_first, dtype=first.dtype)
-    number -= 1
+    indices = np.arange(len(first), dtype=first.dtype)
+    firsts = np.flatnonzero(first == indices)
+    number = indices  # its memory: of the others it is not read
+    number[firsts] = np.arange(len(firsts), dtype=first.dtype)
     for chunk in _iter_chunks(len(first)):
         first[chunk] = np.take(number, first[chunk])
     corners = first.reshape(-1, 3) if faces is None else np.take(first, faces)
-    return drop_collapsed_faces(Surface(points[is_first].astype(np.float64) + 0.0, corners))  # -0 is 0
+    return drop_collapsed_faces(Surface(np.take(points, firsts, axis=0) + points.dtype.type(0), corners))  # -0 is 0
 
 
 def _find_first_equal_rows(rows: NDArray[Any], slots: int) -> Indices:
@@ -321,9 +322,9 @@ def weld_near(surface: Surface, candidates: Indices, distance: float) -> Surface
     return drop_collapsed_faces(Surface(vertices, faces, collapsed=surface.collapsed, repeated=surface.repeated))
 
 
-def _scale_to_cells(points: Array, distance: float) -> Array:
+def _scale_to_cells(points: NDArray[np.floating], distance: float) -> Array:
     """Return coordinates from the lowest corner, in cells of twice the distance."""
-    cells: Array = (points - compute_bounds(points)[0]) / (2.0 * distance)
+    cells: Array = (points - compute_bounds(points)[0]) / (2.0 * distance)  # in double precision
     return cells
 
 
@@ -340,10 +341,9 @@ def _match_cells(cells: NDArray[Any], some: Indices) -> Bools:
 
 def classify_edges(faces: Indices, n_vertices: int) -> Edges:
     """Classify the edges where the faces (F, 3), at least one, meet."""
-    backward = _find_backward_half_edges(faces)
-    if n_vertices <= 1 << _CORNER_BITS and 2 * np.count_nonzero(backward) == len(backward):
-        has_equal_faces = _pair_half_edges(faces)
-        if has_equal_faces is not None:
+    if n_vertices <= 1 << _CORNER_BITS:
+        keys = _sort_half_edges(faces, has_faces=False)
+        if keys is not None:
             none = np.empty((0, 2), dtype=np.int64)
             return Edges(
                 open=none,
@@ -352,10 +352,10 @@ def classify_edges(faces: Indices, n_vertices: int) -> Edges:
                 watertight=True,
                 winding_consistent=True,
                 closed=True,
-                distinct_faces=not has_equal_faces,
+                distinct_faces=not _has_equal_faces(keys),
             )
     first = _find_first_equal_keys(_build_half_edges(faces), _spread_edges, n_vertices << 2)
-    count = np.bincount(first).astype(first.dtype)
+    count, backward = np.bincount(first).astype(first.dtype), _find_backward_half_edges(faces)
     balance = count - 2 * np.bincount(first[backward], minlength=len(count)).astype(first.dtype)
 
     def find_ends(chosen: Bools) -> Indices:
@@ -400,31 +400,56 @@ def _spread_edges(keys: NDArray[np.uint64]) -> Indices:
     return np.asarray(slots.view(np.int64))
 
 
-def _pair_half_edges(faces: Indices) -> bool | None:
-    """Pair the half edges of the faces (F, 3), and return whether the faces of some pair have all three corners in common; None
-    unless every edge has two half edges, with opposite directions along it.
+def _has_equal_faces(keys: NDArray[np.uint64]) -> bool:
+    """Whether the faces of some pair of half edges, as of `_sort_half_edges`, have all three corners in common."""
+    return any(
+        (keys[2 * chunk.start : 2 * chunk.stop : 2] ^ keys[2 * chunk.start + 1 : 2 * chunk.stop : 2]).min() == 1
+        for chunk in _iter_chunks(len(keys) // 2)
+    )
 
-    Each is a number of 64 bits: the edge, the third corner of the face and the direction. NumPy 2 sorts these with vector
-    instructions, in less time than a table at random places takes.
+
+def _find_neighbours(faces: Indices, n_vertices: int) -> Indices | None:
+    """Find the two faces (E, 2) of each edge; None as of `_sort_half_edges`, and for more than it can tell apart."""
+    if max(n_vertices, len(faces)) > 1 << _CORNER_BITS:
+        return None
+    keys = _sort_half_edges(faces, has_faces=True)
+    if keys is None:
+        return None
+    keys >>= np.uint64(1)
+    keys &= np.uint64((1 << _CORNER_BITS) - 1)
+    return keys.reshape(-1, 2).astype(np.int32)
+
+
+def _sort_half_edges(faces: Indices, *, has_faces: bool) -> NDArray[np.uint64] | None:
+    """Return the sorted half edges of the faces (F, 3), each a number of 64 bits: the edge, the third corner of the face (or with
+    ``has_faces`` the number of the face) and the direction. None unless every edge has two, with opposite directions.
+
+    NumPy 2 sorts these with vector instructions, in less time than a table at random places takes.
     """
-    rows = np.empty((3, len(faces)), dtype=np.uint64)
+    rows, more_backward = np.empty((3, len(faces)), dtype=np.uint64), 0
     for chunk in _iter_chunks(len(faces)):
-        corners = np.ascontiguousarray(faces[chunk].T).astype(np.uint64)
+        corners = np.ascontiguousarray(faces[chunk].T, dtype=np.uint64)
         for row in range(3):
             a, b, third = corners[row], corners[(row + 1) % 3], corners[(row + 2) % 3]
             key = np.minimum(a, b) << _CORNER_BITS
             key |= np.maximum(a, b)
             key <<= _CORNER_BITS
-            key |= third
+            key |= np.arange(chunk.start, chunk.stop, dtype=np.uint64) if has_faces else third
             key <<= 1
-            np.bitwise_or(key, a > b, out=rows[row, chunk])
+            is_backward = a > b
+            more_backward += 2 * np.count_nonzero(is_backward) - len(is_backward)
+            np.bitwise_or(key, is_backward, out=rows[row, chunk])
+    if more_backward:
+        return None
     keys = rows.reshape(-1)
     keys.sort()
     edge = np.uint64(2 << _CORNER_BITS)  # at least this is between half edges of two edges
-    within, between = keys[::2] ^ keys[1::2], keys[1:-1:2] ^ keys[2::2]
-    if within.max() >= edge or between.min(initial=edge) < edge or not (within & np.uint64(1)).all():
-        return None
-    return bool(within.min() == 1)
+    for chunk in _iter_chunks(len(keys) // 2):  # new memory for all of them would take as long as what is computed
+        first, second, following = (keys[2 * chunk.start + shift : 2 * chunk.stop + shift : 2] for shift in range(3))
+        within, between = first ^ second, second[: len(following)] ^ following
+        if within.max() >= edge or between.min(initial=edge) < edge or not (within & np.uint64(1)).all():
+            return None
+    return keys
 
 
 def count_component_faces(faces: Indices, n_vertices: int) -> Indices:
@@ -436,8 +461,14 @@ def count_component_faces(faces: Indices, n_vertices: int) -> Indices:
 
 def label_components(faces: Indices, n_vertices: int) -> Indices:
     """Number the pieces that are connected by vertices, from 0, and return that of each face."""
-    lowest = np.take(_find_lowest_connected(faces, n_vertices), faces[:, 0])
-    labels: Indices = np.unique(lowest, return_inverse=True)[1].astype(np.int64)
+    return _number_labels(np.take(_find_lowest_connected(faces, n_vertices), faces[:, 0]))
+
+
+def _number_labels(lowest: Indices) -> Indices:
+    """Number the lowest items of pieces from 0."""
+    is_lowest = np.zeros(int(lowest.max(initial=-1)) + 1, dtype=bool)
+    is_lowest[lowest] = True
+    labels: Indices = np.take(np.cumsum(is_lowest) - 1, lowest)
     return labels
 
 
@@ -465,6 +496,9 @@ def label_bodies(faces: Indices, n_vertices: int) -> Indices:
     """Number the closed bodies of a closed surface, from 0, and return that of each face: bodies of an assembly that only touch
     have corners in common, and are connected where two faces share an edge. Where a piece of these is open, the pieces are those
     of `label_components`."""
+    neighbours = _find_neighbours(faces, n_vertices)
+    if neighbours is not None:
+        return _number_labels(_find_lowest_connected(neighbours, len(faces)))
     edge = _find_first_equal_keys(_build_half_edges(faces), _spread_edges, n_vertices << 2)
     backward = _find_backward_half_edges(faces)
     of_two = np.take(np.bincount(edge), edge) == 2

@@ -11,7 +11,6 @@ from urdfcheck.facts.inertials.declared_and_drawn import Primitive, VisualGeomet
 from urdfcheck.facts.inertials.inertia_tensor import Solid, combine_solids, make_box_solid, transform_solid
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid
 from urdfcheck.facts.mesh.moments import MeshMoments, compute_mesh_moments
-from urdfcheck.facts.mesh.topology import label_bodies
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
@@ -126,7 +125,7 @@ def split_visual_bodies(model: Model, link: Link) -> tuple[Solid, ...]:
         facts, scale, pose = model.meshes.get_facts(shape), get_mesh_scale(model, shape, True), shape.origin.matrix
         if facts is None or scale is None or pose is None or not facts.closed or len(facts.components) > _MOST_PIECES:
             return ()
-        labels = label_bodies(facts.faces, len(facts.vertices))
+        labels = facts.label_bodies()
         count = int(labels.max()) + 1
         if count > _MOST_PIECES or (len(link.visuals) == 1 and count < 2):
             return ()
