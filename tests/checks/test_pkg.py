@@ -210,7 +210,7 @@ def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path)
     write(tmp_path, {"q/package.xml": "<package><name>ur_description</name></package>", "q/meshes/b.stl": ""})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/meshes/a.stl")))
     assert finding.fix is not None
-    assert finding.fix.title == "correct the path, or get the version of ur_description that has the file"
+    assert finding.fix.title == "correct the path, add the file, or get the version of ur_description that has it"
 
 
 def test_the_address_of_a_submodule_may_say_what_it_is(tmp_path: Path) -> None:
@@ -472,6 +472,31 @@ def test_paths_that_lead_out_of_the_package(tmp_path: Path, path: str, message: 
     for finding in findings:
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([edit] if edit else [])
+
+
+@pytest.mark.parametrize(
+    ("own", "other", "repair"),
+    [
+        ("", "", "write `package://q/meshes/b.stl`, and declare q in package.xml"),
+        ("<depend>q</depend>", "", "write `package://q/meshes/b.stl`"),
+        (
+            "",
+            "<depend>p</depend>",
+            "move what the robot needs into p: q depends on it, so package.xml cannot declare that",
+        ),
+    ],
+)
+def test_a_neighbour_is_declared_unless_it_is_or_needs_this_package(
+    tmp_path: Path, own: str, other: str, repair: str
+) -> None:
+    model = package(tmp_path)
+    neighbour(tmp_path)
+    for name, lines in (("p", own), ("q", other)):
+        write(tmp_path / name, {"package.xml": manifest(lines, name=name)})
+    finding = only(audit(model, make_mesh_link("a", "package://p/../q/meshes/b.stl"), codes={"PKG005"}))
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+    assert bool(finding.fix.edits) == repair.startswith("write")
 
 
 def test_paths_that_lead_to_one_place_are_one_finding(tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ from urdfcheck.source.resources import (
     is_misspelt,
     list_resource_uses,
 )
+from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
@@ -205,7 +206,7 @@ def _build_finding(
         if own
         else describe_project_path(here.values(), source)
         if here
-        else _describe_owner(gap, owners)
+        else _describe_owner(gap, owners, source)
         or _describe_checkout(gap, source)
         or repair_beside
         or _describe_version(gap, source)
@@ -328,15 +329,21 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
     return f"; argument {guilty[0]} leads there{format_choices(choices)}", [guilty[0].location]
 
 
-def _describe_owner(gap: _MissingFiles, owners: list[str]) -> str:
+def _describe_owner(gap: _MissingFiles, owners: list[str], source: Source) -> str:
     """Say how the files of another package are named; empty if none has them."""
-    resource = gap.uses[0].resource
-    inside = get_path_in_package(resource.text, resource.package or "")
-    return (
-        f"write `package://{owners[0]}/{inside}` and the others likewise, and declare {owners[0]} in package.xml"
-        if owners
-        else ""
-    )
+    if not owners:
+        return ""
+    use = gap.uses[0]
+    inside = get_path_in_package(use.resource.text, use.resource.package or "")
+    declaration = describe_declaration(_find_owner_of_text(use, source), owners[0], source.finder)
+    return f"write `package://{owners[0]}/{inside}`, and the others likewise{declaration}"
+
+
+def _find_owner_of_text(use: ResourceUse, source: Source) -> Package | None:
+    """Return the package of the file in which a path is typed."""
+    span = use.attribute.span
+    file = None if span is None else source.files.get(span.file)
+    return source.package if file is None else source.finder.find_package_of(file.path.absolute())
 
 
 def _describe_checkout(gap: _MissingFiles, source: Source) -> str:
@@ -358,8 +365,10 @@ def _describe_version(gap: _MissingFiles, source: Source) -> str:
         if len(named) == 1 and all(named)
         else None
     )
-    what = "the file" if len(gap.files) == 1 else "the files"
-    return "" if package is None else f"correct the path, or get the version of {package.name} that has {what}"
+    what, them = ("the file", "it") if len(gap.files) == 1 else ("the files", "them")
+    return (
+        "" if package is None else f"correct the path, add {what}, or get the version of {package.name} that has {them}"
+    )
 
 
 def _describe_ignored(gap: _MissingFiles) -> str:
