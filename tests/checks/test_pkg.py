@@ -358,6 +358,35 @@ def test_wrong_case_is_corrected_in_the_path_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("typed", "there", "repair"),
+    [
+        ("${n}/Arm.stl", ("a/arm.stl", "b/arm.stl"), "write `arm.stl`"),
+        (
+            "${n}/Arm.stl",
+            ("a/Arm.stl", "b/arm.stl"),
+            "rename `arm.stl` to `Arm.stl`, as the other files are spelled that this",
+        ),
+        ("Arm_${n}.stl", ("Arm_A.stl", "Arm_b.stl"), "rename `Arm_A.stl` to `Arm_a.stl`, as"),
+        ("Arm_${n}.stl", ("Arm_A.stl", "Arm_B.stl"), "make the path, which is computed, end in `Arm_A.stl`"),
+    ],
+)
+def test_a_path_of_a_macro_is_not_corrected_for_one_call_alone(
+    tmp_path: Path, typed: str, there: tuple[str, ...], repair: str
+) -> None:
+    model = package(tmp_path, *(f"meshes/{name}" for name in there)).with_suffix(".urdf.xacro")
+    model.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m" params="n">\n'
+        + make_mesh_link("${n}", f"package://p/meshes/{typed}")
+        + '</xacro:macro><xacro:m n="a"/><xacro:m n="b"/></robot>',
+        encoding="utf-8",
+    )
+    finding = check(model, codes=CODES).findings[0]
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert bool(finding.fix.edits) == repair.startswith("write")
+
+
+@pytest.mark.parametrize(
     ("typed", "there", "after"),
     [
         ("meshes/A.stl", "meshes/a.STL", "meshes/a.STL"),
@@ -554,6 +583,25 @@ def test_spelling_of_paths(
     for finding in findings:
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([edit] if edit else [])
+
+
+@pytest.mark.parametrize(
+    ("paths", "repair"),
+    [
+        (["package:/p/meshes/a.stl"], "write `package://p/meshes/a.stl`"),
+        (["package:/p/meshes/gone.stl"], "write `package://p/meshes/gone.stl`; that file is missing too"),
+        (["..\\meshes\\a.stl", "..\\meshes\\b.stl"], "write `../meshes/a.stl`, and the others likewise"),
+        (
+            ["..\\meshes\\a.stl", "..\\meshes\\gone.stl"],
+            "write `../meshes/a.stl`, and the others likewise; not all these files are there",
+        ),
+    ],
+)
+def test_a_spelling_that_leads_to_no_file_either_says_so(tmp_path: Path, paths: list[str], repair: str) -> None:
+    model = package(tmp_path, "meshes/a.stl", "meshes/b.stl")
+    finding = only(audit(model, make_mesh_link("a", *paths), codes={"PKG011"}))
+    assert finding.fix is not None
+    assert finding.fix.title == repair
 
 
 @pytest.mark.parametrize("path", ["..\\gone.stl", "package://p\\gone.stl", "package://gone\\a.stl"])
