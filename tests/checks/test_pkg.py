@@ -604,6 +604,31 @@ def test_a_spelling_that_leads_to_no_file_either_says_so(tmp_path: Path, paths: 
     assert finding.fix.title == repair
 
 
+@pytest.mark.parametrize(
+    ("place", "named", "there", "severity"),
+    [
+        ("urdf/r.urdf", "r.urdf", "", Severity.ERROR),
+        ("urdf/r.urdf", "other.urdf", "", Severity.WARNING),
+        ("urdf/r.urdf", "other.urdf", "visual/gone.stl", Severity.ERROR),
+        ("urdf/old/r.urdf", "", "", Severity.INFO),
+        ("urdf/old/r.urdf", "urdf/old/r.urdf", "", Severity.ERROR),
+        ("test/r.urdf", "r.urdf", "", Severity.INFO),
+        ("test/r.urdf", "r.urdf", "visual/gone.stl", Severity.ERROR),
+    ],
+)
+def test_meshes_of_a_model_that_nothing_loads_are_no_error(
+    tmp_path: Path, place: str, named: str, there: str, severity: Severity
+) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/gone.stl")}</robot>'
+    launch = f'<launch><param name="robot_description" textfile="$(find p)/{named or "a"}"/></launch>'
+    files = {"package.xml": manifest(), place: robot, "launch/a.launch": launch, there or "a.stl": ""}
+    write(tmp_path / "p", files)
+    finding = only(check(tmp_path / "p" / place, codes={"PKG002"}))
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert ("or delete the model" in finding.fix.title) == (severity < Severity.ERROR)
+
+
 @pytest.mark.parametrize("path", ["..\\gone.stl", "package://p\\gone.stl", "package://gone\\a.stl"])
 def test_backslashes_come_before_what_they_hide(tmp_path: Path, path: str) -> None:
     finding = only(audit(package(tmp_path), make_mesh_link("a", path), codes={*CODES, "PKG011", "PKG012"}))

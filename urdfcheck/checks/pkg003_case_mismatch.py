@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
+from urdfcheck.core import Applicability, Edit, Finding, Location, Rule, Severity
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import find_moved_files, index_files, normalise_path
@@ -18,6 +18,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -41,6 +42,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             at=_locate(first, actual, source.files),
             related=[u for u in uses if u.attribute.span != first.attribute.span],
             edits=dict.fromkeys(edit for edit in edits if edit is not None) if all(edits) else (),
+            severity=Severity.INFO if explain_kept_file(source) == KEPT_ASIDE else None,
             applicability=Applicability.SAFE if all(u.attribute.literal for u in uses) else Applicability.UNSAFE,
             written=_extract_typed_ending(first, actual),
             actual=actual,

@@ -27,7 +27,7 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.source.uses_elsewhere import is_kept_output
+from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file, is_kept_output
 from urdfcheck.system.observing.questions import note_content
 
 
@@ -89,7 +89,13 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         message,
         at=place.location,
         # For one release a robot may be expanded on purpose.
-        severity=None if message != "installed" else Severity.INFO if is_kept_output(source) else Severity.WARNING,
+        severity=Severity.INFO
+        if explain_kept_file(source) == KEPT_ASIDE
+        else None
+        if message != "installed"
+        else Severity.INFO
+        if is_kept_output(source)
+        else Severity.WARNING,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_propose_edits(place, portable) if message != "installed" else [],
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if is_lost else None,
