@@ -1265,16 +1265,23 @@ def test_a_file_that_none_names_and_that_lacks_a_package_is_a_warning(
 
 
 @pytest.mark.parametrize(
-    ("there", "told"), [("meshes/other.obj", True), ("parts/other.obj", False)], ids=["beside the file", "nowhere"]
+    ("there", "told", "repair"),
+    [
+        ("meshes/other.obj", True, "correct the path; or add the file and write `package://p/d/meshes/wheel.stl`"),
+        ("parts/other.obj", False, "correct the path, or add the folder with its files"),
+    ],
+    ids=["beside the file", "nowhere"],
 )
-def test_a_relative_path_of_an_included_file_starts_at_the_model(tmp_path: Path, there: str, told: bool) -> None:
+def test_a_relative_path_of_an_included_file_starts_at_the_model(
+    tmp_path: Path, there: str, told: bool, repair: str
+) -> None:
     part = f'<robot name="r">{make_mesh_link("a", "../meshes/wheel.stl")}</robot>'
     main = f'<robot name="r" {XACRO}><xacro:include filename="urdf/part.urdf"/></robot>'
     files = {"package.xml": manifest(), "d/urdf/part.urdf": part, "d/main.xacro": main, f"d/{there}": ""}
     finding = only(check(write(tmp_path, files) / "d/main.xacro", codes={"PKG002"}))
     assert ("; the path starts at the model's folder; from that of " in finding.message) == told
     assert finding.fix is not None
-    assert finding.fix.title.startswith("write `package://p/d/meshes/…`" if told else "correct the path, or add")
+    assert finding.fix.title == repair
 
 
 @pytest.mark.parametrize(
@@ -1300,6 +1307,14 @@ def test_a_function_of_another_package_may_install_the_folder_of_its_argument(
 @pytest.mark.parametrize(
     ("cmake", "after"),
     [
+        (
+            "install(DIRECTORY urdf DESTINATION share/p FILES_MATCHING PATTERN *.xacro)",
+            ")\ninstall(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\n\nament_package()",
+        ),
+        (
+            "if(SIMULATION)\ninstall(DIRECTORY urdf DESTINATION share/p)\nendif()",
+            "endif()\ninstall(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\n\nament_package()",
+        ),
         ("install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})", "(DIRECTORY urdf meshes DESTINATION"),
         ("install(DIRECTORY\n  urdf\n  DESTINATION share/p/\n)", "  urdf meshes\n  DESTINATION"),
         ("ament_auto_package(INSTALL_TO_SHARE urdf)", "(INSTALL_TO_SHARE urdf meshes)"),

@@ -297,6 +297,7 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
     """
     folders: dict[Path, None] = {}
     parts: dict[str, None] = {}
+    there: dict[Path, bool] = {}
     for use in gap.uses:
         span = use.attribute.span
         file = None if span is None else source.files.get(span.file)
@@ -308,6 +309,8 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
         if not is_other or not source.finder.can_open(folder) or not folder.is_dir():
             return "", ""
         folders[folder] = parts[file.name] = None
+        meant = normalise_path(own / use.resource.text)
+        there[meant] = meant.is_file()
     subject, lead = ("the path starts", "it leads") if len(gap.files) == 1 else ("the paths start", "they lead")
     exist = "which exists" if len(folders) == 1 else "which exist"
     places = join_names(map(format_path, folders), 2)
@@ -316,11 +319,13 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
     package = source.finder.find_package_of(folder)
     if package is None:
         return hint, ""
-    inside = Path(os.path.relpath(folder, package.path.absolute())).as_posix()
-    return (
-        hint,
-        f"write `package://{package.name}/{inside}/…`, which means the same in every model, or correct the path",
-    )
+    meant = next(iter(there))
+    address = f"package://{package.name}/{Path(os.path.relpath(meant, package.path.absolute())).as_posix()}"
+    likewise = "" if len(there) == 1 else ", and the others likewise"
+    if all(there.values()):
+        return hint, f"write `{address}`{likewise}: that means the same in every model"
+    what = "the file" if len(there) == 1 else "the files that are missing there too"
+    return hint, f"correct the path; or add {what} and write `{address}`{likewise}"
 
 
 def _propose_edits(outside: Mapping[ResourceUse, Path], source: Source) -> list[Edit]:
