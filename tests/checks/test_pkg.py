@@ -1003,6 +1003,16 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>amcl</exec_depend>"]
 
 
+@pytest.mark.parametrize(("mark", "told"), [("COLCON_IGNORE", False), ("src/COLCON_IGNORE", False), ("README", True)])
+def test_a_package_that_is_left_out_of_the_build_is_not_declared(tmp_path: Path, mark: str, told: bool) -> None:
+    launch = '<launch><include file="$(find q)/launch/q.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "launch/p.launch": launch, "urdf/r.urdf": URDF})
+    files = {"package.xml": manifest(name="q"), "launch/q.launch": "<launch/>"}
+    write(tmp_path / "extra/src/q", files)
+    write(tmp_path, {".git/HEAD": "", f"extra/{mark}": ""})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"] == [["q"]] * told
+
+
 @pytest.mark.parametrize(("last", "messages"), [("p", ["ring"] * 3), ("amcl", ["undeclared"] * 3)])
 def test_lines_that_make_a_circle_together_are_not_proposed(tmp_path: Path, last: str, messages: list[str]) -> None:
     include = '<launch><include file="$(find {0})/launch/{0}.launch"/></launch>'

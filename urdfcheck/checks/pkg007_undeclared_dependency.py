@@ -94,7 +94,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
     missing = _select_missing(package, undeclared) if undeclared else {}
-    for name in [name for name in missing if _is_inside_another(_find_package(package, name), package)]:
+    for name in [name for name in missing if _is_out_of_the_build(_find_package(package, name), package)]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     named = set(missing)
@@ -109,6 +109,9 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
         del missing[name]  # a folder of that name is no package
     unknown = [name for name in missing if not _is_known(package, name)]
+    for name in _select_left_out(package, unknown):
+        unknown.remove(name)
+        del missing[name]
     if unknown:
         message = "unknown" if len(unknown) == 1 else "unknown-several"
         yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
@@ -169,13 +172,28 @@ def _is_inside_another(folder: Path | None, package: Package) -> bool:
 
 
 def _is_not_built(package: Package) -> bool:
-    """Whether the build tools and rosdep leave a package out: it is inside another one, or a mark at it or above it says so."""
-    if _is_inside_another(package.path, package):
-        return True
+    """Whether the build tools and rosdep leave a package out."""
+    return _is_out_of_the_build(package.path, package)
+
+
+def _is_out_of_the_build(place: Path | None, package: Package) -> bool:
+    """Whether a package of the repository is inside another one, or a mark at it or above it says that it is not built."""
+    if place is None or _is_inside_another(place, package):
+        return place is not None
     top = None if package.finder is None else package.finder.find_repository()
-    folder, around = package.path.absolute(), takewhile(lambda outer: outer != top, package.path.absolute().parents)
+    folder, around = place.absolute(), takewhile(lambda outer: outer != top, place.absolute().parents)
     levels = [folder] if top is None else [folder, *around]
     return any(os.path.lexists(level / mark) for level in levels for mark in IGNORE_MARKS)
+
+
+def _select_left_out(package: Package, names: Sequence[str]) -> list[str]:
+    """Return those packages of the repository that the build leaves out: a run finds none of them."""
+    finder = package.finder
+    root = None if finder is None or not names else finder.find_repository()
+    if finder is None or root is None:
+        return []
+    places = {name: folder for name, folder in finder.walk_repository(root) if name in names}
+    return [name for name in names if _is_out_of_the_build(places.get(name), package)]
 
 
 def _select_missing(
