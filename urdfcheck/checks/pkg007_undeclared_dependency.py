@@ -557,27 +557,38 @@ def _find_circles(package: Package, missing: Iterable[str]) -> dict[str, tuple[s
 
 
 def _find_chain(package: Package, name: str) -> list[str]:
-    """Return the packages of the repository through which ``name`` uses this package, each of which uses the next or depends on
-    it; empty if it does not."""
+    """Return the packages of the repository through which ``name`` depends on this package, or would with the lines that are
+    proposed for them; empty if it does not."""
     finder, workspace = package.finder, _list_workspace(package)
     if finder is None or name not in workspace:
         return []
+    read: dict[str, tuple[frozenset[str], set[str]]] = {}
+
+    def read_names(one: str) -> tuple[frozenset[str], set[str]]:
+        """Return what a package declares, and what its files use."""
+        if one not in read and len(read) < _MOST_IN_CHAIN:
+            folder = package.path if one == package.name else workspace[one]
+            other = load_package(folder) if finder.can_open(folder / "package.xml") else None
+            read[one] = (frozenset(), set()) if other is None else (other.dependencies, list_mentioned_packages(other))
+        return read.get(one, (frozenset(), set()))
+
+    def needs_line(one: str, other: str) -> bool:
+        """Whether a line is proposed for a package that another one uses: none is where that one uses or needs it, too."""
+        return one not in collect_dependencies(finder, [other]) and one not in read_names(other)[1]
+
     through: dict[str, list[str]] = {name: []}
     waiting = deque([name])
-    for _ in range(_MOST_IN_CHAIN):
-        one = waiting.popleft() if waiting else ""
-        folder = workspace.get(one)
-        other = None if folder is None or not finder.can_open(folder / "package.xml") else load_package(folder)
-        if other is None:
-            if not waiting:
-                return []
-            continue
-        used = other.dependencies | list_mentioned_packages(other)
-        if package.name in used and one != name:
-            return through[one]
-        for further in sorted((used & workspace.keys()) - through.keys()):
-            through[further] = [*through[one], further]
-            waiting.append(further)
+    while waiting:
+        one = waiting.popleft()
+        declared, used = read_names(one)
+        for other in sorted(declared | used):
+            if other not in workspace.keys() | {package.name} or other in through:
+                continue
+            if other in declared or needs_line(one, other):
+                if other == package.name:
+                    return through[one]
+                through[other] = [*through[one], other]
+                waiting.append(other)
     return []
 
 
