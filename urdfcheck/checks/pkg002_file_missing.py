@@ -53,7 +53,7 @@ from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import explain_kept_file, is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import explain_kept_file
 
 _REPAIRS = {
     "file": "correct the path, or add the file",
@@ -183,7 +183,8 @@ def _build_finding(
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
     is_explained = bool(argued or outside or elsewhere or near or here)
     beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
-    severity, unused = (None, "") if is_explained or beside else _grade_unused_model(source)
+    # No program of the robot loads such a model, as in PKG001.
+    kept = "" if is_explained or beside else explain_kept_file(source)
     hint = argued or (
         _describe_place(outside, source)
         if outside
@@ -202,7 +203,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related.values(), *places],
-        severity=severity,
+        severity=Severity.INFO if kept else None,
         edits=_propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}"
@@ -213,7 +214,7 @@ def _build_finding(
         or _describe_checkout(gap, source)
         or repair_beside
         or _describe_version(gap, source)
-        or f"{_REPAIRS[message]}{_describe_ignored(gap)}{'; or delete the model if nothing loads it' if unused else ''}",
+        or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
         path=format_path(path),
@@ -221,22 +222,9 @@ def _build_finding(
         listed=join_names((missing.name for missing in gap.files), 4),
         links=list(dict.fromkeys(_find_link_name(use) for use in gap.uses)),
         near=near,
-        hint=hint + unused,
+        hint=f"{hint}; {kept}" if kept else hint,
         folder=format_path(gap.folder or path.parent),
     )
-
-
-def _grade_unused_model(source: Source) -> tuple[Severity | None, str]:
-    """Return the severity of meshes that a model lacks, and the end of a message that says why no program of the robot loads it.
-
-    The rule's own severity without a reason. The reasons are those of PKG001.
-    """
-    kept = explain_kept_file(source)
-    if kept:
-        return Severity.INFO, f"; {kept}"
-    if is_certainly_left_aside(source):
-        return Severity.WARNING, "; no file of this model's package names it, and some name other robot files"
-    return None, ""
 
 
 def _find_owner(gap: _MissingFiles, source: Source) -> list[str]:

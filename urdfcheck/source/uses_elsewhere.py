@@ -68,8 +68,8 @@ _PASSED = re.compile(r"""(?<!\w)([A-Za-z_]\w*)["']?\s*(?::?=|:)""")
 
 
 # Why no program of the robot loads a model.
-OF_TESTS = "the file is one of the tests"
-KEPT_ASIDE = "it is in a folder of what is kept and not used, and no file of the package names it"
+OF_TESTS = "the model is one of the tests"
+KEPT_ASIDE = "the model is in a folder of what is kept and not used, and no file of the package names it"
 
 
 @dataclass(frozen=True, slots=True)
