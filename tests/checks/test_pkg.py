@@ -466,6 +466,22 @@ def test_package_names(tmp_path: Path, name: str, message: str | None, good: str
     assert all(f.location.span is not None and f.location.span.line == 2 for f in found)
 
 
+@pytest.mark.parametrize(
+    ("name", "repair"),
+    [
+        ("MyArm", "rename the package to `my_arm`, also in its"),
+        ("Robot", "rename the package, but not to `robot` (ROS has released a package of that name), also in its"),
+        ("Beside", "rename the package, but not to `beside` ("),
+    ],
+)
+def test_a_name_that_another_package_has_is_not_proposed(tmp_path: Path, name: str, repair: str) -> None:
+    write(tmp_path, {".git/HEAD": "", "p/package.xml": manifest(name=name), "p/urdf/r.urdf": URDF})
+    write(tmp_path, {"b/package.xml": manifest(name="beside"), "b/urdf/r.urdf": URDF})
+    (finding,) = findings(tmp_path, "PKG006")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 # -- paths out of the package, and paths that only some systems read -------------------------------------------------------
 
 

@@ -6,7 +6,7 @@ import os
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
@@ -229,6 +229,11 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         declare = "".join(describe_declaration(source.package, name, source.finder) for name in sorted(owners))
         has = f"the package has them, except {names}, which must be added"
         return f"write `{paths[0]}`, and the others likewise{declare}: {has}"
+    if source.package is None:
+        files = "the files" if several else "the file"
+        name = "FILE" if several else PurePosixPath(place.uses[0].resource.text.replace("\\", "/")).name
+        folder = f"copy {files} into a folder beside the model and write the path from there (`meshes/{name}`)"
+        return f"{folder}; for ROS, into a package and write its package path"
     repair = f"copy the file into the model's package and write {_format_future_path(future, place.uses, source)}"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:
@@ -253,7 +258,7 @@ def _format_future_path(future: Sequence[str | None], uses: Sequence[ResourceUse
     """Return what to write for the first file once it is in the model's package."""
     package, path = source.package, uses[0].resource.path
     if package is None or path is None:
-        return "`package://PACKAGE/meshes/FILE`"
+        return "its path in the package"
     several = len({use.resource.text for use in uses}) > 1
     if future[0] is not None and None not in future:
         return f"`{future[0]}`" + (", and the others likewise" if several else "")

@@ -276,6 +276,7 @@ def _build_finding(
         path=uses[0].subpath.strip("/"),
         tag=tags[names[0]],
         chain=join_names(chain, 4),
+        each="it is" if len(names) == 1 else "each is",
         where=", ".join(dict.fromkeys(use.location.span.file for use in missing[names[0]][:2] if use.location.span)),
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
