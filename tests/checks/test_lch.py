@@ -446,6 +446,24 @@ def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, fo
     assert len(check(tmp_path / "car", codes={"LCH001", "LCH003"}).findings) == 2 * count
 
 
+@pytest.mark.parametrize(
+    ("name", "named", "count"),
+    [
+        ("car_old.launch", "", 0),
+        ("car_old.launch", '<include file="$(find car)/launch/car_old.launch"/>', 1),
+        ("arm_old.launch", "", 1),
+        ("car_odd.launch", "", 1),
+    ],
+)
+def test_an_old_copy_of_a_launch_file_that_nothing_names_is_left_out(
+    tmp_path: Path, name: str, named: str, count: int
+) -> None:
+    find_in_package(tmp_path, LOAD + named, "LCH001")
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/>'
+    (tmp_path / "car/launch" / name).write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}{node}</launch>")
+    assert len(check(tmp_path / "car", codes={"LCH001", "LCH003"}).findings) == 2 * count
+
+
 ROS2 = "<export><build_type>ament_cmake</build_type></export>"
 BOTH = ROS2.replace("</export>", "<build_type>catkin</build_type></export>")
 

@@ -35,7 +35,7 @@ from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
+from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
 from urdfcheck.source.reach import FileReach
@@ -68,7 +68,7 @@ _LEFT_OVER: dict[str, Any] = {
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
-    if launch.package is not None and is_kept_aside(launch.path, launch.package.path):
+    if launch.is_kept_aside:
         return
     for found in _check_launch(context, rule):
         finding = found if launch.dialect == "ros1" else _say_for_ros2(found)

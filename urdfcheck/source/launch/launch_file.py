@@ -15,6 +15,7 @@ from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
+from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
@@ -22,7 +23,7 @@ from urdfcheck.source.launch.substitutions import SubstitutionResolver, Unresolv
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.package_folders import get_used_name, is_kept_aside, read_package_texts
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
@@ -130,8 +131,22 @@ class Launch:
 
     @property
     def is_left_over(self) -> bool:
-        """Whether nothing starts it: it was left from ROS 1, or is in a folder of files that are kept and not used."""
-        return self.is_left_from_ros1 or (self.package is not None and is_kept_aside(self.path, self.package.path))
+        """Whether nothing starts it: it was left from ROS 1, or is kept and not used."""
+        return self.is_left_from_ros1 or self.is_kept_aside
+
+    @property
+    def is_kept_aside(self) -> bool:
+        """Whether it is in a folder of files that are kept and not used, or is an old copy of one beside it that no text of the
+        package names: ``car_old.launch`` of ``car.launch``."""
+        if self.package is None:
+            return False
+        if is_kept_aside(self.path, self.package.path):
+            return True
+        used = get_used_name(self.path.name)
+        if not used or not self.finder.can_open(self.path.with_name(used)) or not self.path.with_name(used).is_file():
+            return False
+        own = compile_names((self.path.name,))
+        return not any(map(own.search, read_package_texts(self.package.path, self.finder.can_open)))
 
     @property
     def nodes(self) -> list[Element]:
