@@ -184,6 +184,16 @@ def test_only_a_robot_is_proposed_in_place_of_a_missing_one(
     assert (place.name in get_repair(finding)) == is_named
 
 
+@pytest.mark.parametrize(("other", "is_named"), [("car_2", False), ("car2b", False), ("bus", True)])
+def test_the_robot_of_another_version_is_not_meant(tmp_path: Path, other: str, is_named: bool) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / f"{other}/urdf").mkdir(parents=True)
+    (tmp_path / f"{other}/package.xml").write_text(f'<package format="2"><name>{other}</name></package>')
+    (tmp_path / f"{other}/urdf/base.urdf").write_text(WHOLE)
+    (finding,) = find_in_package(tmp_path, load("$(find car)/urdf/base.urdf"), "LCH001")
+    assert ("base.urdf)" in get_repair(finding)) == is_named
+
+
 @pytest.mark.parametrize(
     ("passed", "content", "is_named"),
     [
@@ -852,6 +862,8 @@ def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
         ('<include file="$(find car)/launch/robot.launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/$(arg which).launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/other.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(find bus)/launch/robot.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(dirname)/robot.launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/robot.launch"><arg name="y" value="1"/></include>', False),
         ('<!--<include file="robot.launch"><arg name="x" value="1"/></include>-->', False),
         ('<include file="robot.launch"/><include file="b.launch"><arg name="x" value="1"/></include>', False),
@@ -861,6 +873,7 @@ def test_an_argument_that_another_launch_file_passes_is_not_deleted_alone(
     tmp_path: Path, include: str, is_passed: bool
 ) -> None:
     files = {"robot.launch": '<launch>\n<arg name="x"/>\n</launch>', "all.launch": f"<launch>{include}</launch>"}
+    files["package.xml"] = '<package format="2"><name>car</name></package>'
     (finding,) = find(tmp_path, files, "LCH004", name="robot.launch")
     assert finding.fix is not None
     assert bool(finding.fix.edits) != is_passed
