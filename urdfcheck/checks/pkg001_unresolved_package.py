@@ -142,7 +142,9 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
-    repair = checkout or _describe_repair(package, here, near, source, owner, declared=declared)
+    # A package may be meant by its name and lack the files all the same.
+    lacking = "" if owners or here or not near else _describe_lack(near, package, uses, at, source)
+    repair = checkout or _describe_repair(package, here, near, source, owner, declared=declared, lacking=lacking)
     own = [] if declared or here or near or checkout else _find_own_files(source, files)
     if own and package and source.package is not None:
         likewise = ", and the others likewise" if len(own) > 1 else ""
@@ -157,7 +159,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related, *places],
-        edits=_propose_edits(uses, package, near),
+        edits=[] if lacking else _propose_edits(uses, package, near),
         severity=_grade(message, is_outside=bool(is_outside)),
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
@@ -376,8 +378,12 @@ def _describe_repair(
     owner: Package | None,
     *,
     declared: bool,
+    lacking: str,
 ) -> str:
-    """Say how the files are found; ``owner``: the package whose manifest must declare the other one."""
+    """Say how the files are found.
+
+    ``owner``: the package whose manifest must declare the other one; ``lacking``: what a package of a similar name lacks.
+    """
     if here:
         return describe_project_path(here.values(), source)
     if not package:
@@ -392,9 +398,21 @@ def _describe_repair(
         return f"{'declare it in package.xml and ' if owner is not None else ''}install it, or {elsewhere}"
     if near:
         declare = "declare it in package.xml or " if owner is not None else ""
-        return f"correct the name; if the package is only missing here, {declare}{elsewhere}"
+        return f"correct the name{lacking}; if the package is only missing here, {declare}{elsewhere}"
     declare = " and declare it in package.xml" if owner is not None else ""
     return f"add the package{declare}, or correct its name; if it is in another folder, {elsewhere}"
+
+
+def _describe_lack(near: Sequence[str], package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> str:
+    """Say that the paths must be corrected too, where none of the packages that may be meant has all the files."""
+    wanted = sorted(_list_wanted_files(package, uses, at, source))
+    folders = [folder for name in near if (folder := source.finder.find(name)) is not None]
+    counts = [sum(_has_all_files(folder, [path], source) for path in wanted) for folder in folders]
+    if not package or not counts or max(counts) == len(wanted):
+        return ""
+    return (
+        f" and the paths ({near[counts.index(max(counts))]} has {max(counts)} of {format_count(len(wanted), 'file')})"
+    )
 
 
 def _is_declared_to_build(owner: Package, package: str) -> bool:
