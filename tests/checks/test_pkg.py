@@ -82,6 +82,23 @@ def test_hyphen_for_underscore_names_the_package_that_is_meant(tmp_path: Path) -
     assert finding.fix.applicability is Applicability.UNSAFE
 
 
+@pytest.mark.parametrize(
+    ("there", "repair"),
+    [
+        (("a.stl", "b.stl"), "correct the name; if"),
+        (("a.stl",), "correct the name and the paths (my_arm has 1 of 2 files); if"),
+        ((), "correct the name and the paths (my_arm lacks the files); if"),
+    ],
+)
+def test_a_package_that_is_meant_may_lack_files(tmp_path: Path, there: tuple[str, ...], repair: str) -> None:
+    model = package(tmp_path)
+    write(tmp_path / "my_arm", {"package.xml": manifest(name="my_arm"), **dict.fromkeys(there, "")})
+    paths = "package://my-arm/a.stl", "package://my-arm/b.stl"
+    finding = only(audit(model, make_mesh_link("a", *paths)))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 def test_path_without_a_package_name(tmp_path: Path) -> None:
     assert only(audit(package(tmp_path), make_mesh_link("a", "package:///p/a.stl"))).message_id == "nameless"
 

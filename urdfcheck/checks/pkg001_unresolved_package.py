@@ -159,7 +159,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related, *places],
-        edits=[] if lacking else _propose_edits(uses, package, near),
+        edits=_propose_edits(uses, package, near),
         severity=_grade(message, is_outside=bool(is_outside)),
         consequences=describe_missing_uses(uses, source) if lost else None,
         package=package,
@@ -406,13 +406,19 @@ def _describe_repair(
 def _describe_lack(near: Sequence[str], package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> str:
     """Say that the paths must be corrected too, where none of the packages that may be meant has all the files."""
     wanted = sorted(_list_wanted_files(package, uses, at, source))
-    folders = [folder for name in near if (folder := source.finder.find(name)) is not None]
-    counts = [sum(_has_all_files(folder, [path], source) for path in wanted) for folder in folders]
-    if not package or not counts or max(counts) == len(wanted):
+    counts = {
+        name: sum(_has_all_files(folder, [path], source) for path in wanted)
+        for name in near
+        if (folder := source.finder.find(name)) is not None
+    }
+    name = max(counts, key=lambda one: counts[one], default="")
+    if not package or not name or counts[name] == len(wanted):
         return ""
-    return (
-        f" and the paths ({near[counts.index(max(counts))]} has {max(counts)} of {format_count(len(wanted), 'file')})"
+    one = len(wanted) == 1
+    has = (
+        f"has {counts[name]} of {len(wanted)} files" if counts[name] else f"lacks {'the file' if one else 'the files'}"
     )
+    return f" and the path{'' if one else 's'} ({name} {has})"
 
 
 def _is_declared_to_build(owner: Package, package: str) -> bool:
