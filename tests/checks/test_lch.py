@@ -594,6 +594,26 @@ def test_a_model_that_a_script_writes_is_known_after_it(
     assert finding.message_id == (missing if known else "unknown")
 
 
+@pytest.mark.parametrize(
+    ("file", "text", "found"),
+    [
+        ("launch/view.launch.in", "<launch/>", ["unknown"]),
+        ("launch/view.launch.em", "<launch/>", ["unknown"]),
+        (".gitignore", "view.launch", ["unknown"]),
+        ("launch/view.launch.txt", "", ["unknown", "include-file"]),
+        ("urdf/arm.urdf", WHOLE, ["include-file"]),
+    ],
+)
+def test_what_the_build_makes_of_a_template_is_not_missing(
+    tmp_path: Path, file: str, text: str, found: list[str]
+) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    (tmp_path / "car/urdf/arm.urdf.in").write_text(WHOLE)
+    (tmp_path / "car" / file).write_text(text)
+    body = load("$(find car)/urdf/arm.urdf") + INCLUDE.format("$(find car)/launch/view.launch")
+    assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == found
+
+
 def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> None:
     body = INCLUDE.format("$(find-pkg-share car)/launch/arm.launch.xml")
     (finding,) = find_in_package(tmp_path, body, "LCH001")

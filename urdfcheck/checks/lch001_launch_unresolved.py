@@ -13,7 +13,7 @@ from typing import Any
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.built_files import find_maker, is_git_ignored
+from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,
@@ -242,6 +242,9 @@ def _describe_maker(name: str, finder: PackageFinder) -> tuple[str, str] | None:
     around = (folder for folder in path.parents if finder.can_open(folder))
     folder = next(filter(is_rosbuild_package, around), None) if package is None else package.path
     maker = None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
+    template = None if folder is None or maker is not None else find_template(path, folder)
+    if template is not None and finder.can_open(template):
+        return f"the build makes {path.name} of {format_path(template)}", f"build the package, which makes {path.name}"
     if maker is None:
         return None
     how = f"make {path.name} before the launch ({format_path(maker)})"

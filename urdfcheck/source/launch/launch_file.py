@@ -16,7 +16,7 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
-from urdfcheck.source.launch.built_files import may_be_built
+from urdfcheck.source.launch.built_files import find_template, is_git_ignored, may_be_built
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
@@ -351,9 +351,15 @@ class _IncludeReader:
         """
         if path not in self._missing and len(self._missing) < MAX_INCLUDES:
             package = self.finder.find_package_of(path) if path.is_absolute() else None
-            is_built = self.is_ros2 and package is not None and may_be_built(path, package.path, LAUNCH_SUFFIXES)
-            self._missing[path] = package is not None and not is_built
+            self._missing[path] = package is not None and not self._may_be_built(path, package)
         return self._missing.get(path, False)
+
+    def _may_be_built(self, path: Path, package: Package) -> bool:
+        """Whether the build puts a file there. roslaunch finds what is in the sources, and what is made of a template there."""
+        if self.is_ros2:
+            return may_be_built(path, package.path, LAUNCH_SUFFIXES)
+        reach = FileReach.from_paths([package.path], [])
+        return is_git_ignored(path, reach) or find_template(path, package.path) is not None
 
     def _collect_passed_arguments(
         self, include: Element, resolver: SubstitutionResolver, file: Path
