@@ -13,15 +13,7 @@ from typing import Any
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
-from urdfcheck.source.launch.launch_file import (
-    BrokenInclude,
-    DescriptionSource,
-    Launch,
-    is_included_by_sibling,
-    list_declared_arguments,
-)
-from urdfcheck.source.launch.meant_files import (
+from urdfcheck.source.launch.around.meant_files import (
     Trial,
     can_be_included,
     describe_handing,
@@ -30,6 +22,14 @@ from urdfcheck.source.launch.meant_files import (
     makes_robot,
     may_be_declared,
     takes_arguments,
+)
+from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
+from urdfcheck.source.launch.launch_file import (
+    BrokenInclude,
+    DescriptionSource,
+    Launch,
+    is_included_by_sibling,
+    list_declared_arguments,
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
@@ -260,7 +260,7 @@ def _build_unknown_finding(
 
 
 def _choose_trial(path: str, launch: Launch, *, is_model: bool) -> Trial:
-    """Return what decides whether another file would do in the place of one that a launch file in Python names."""
+    """Return what decides whether another file would do instead of one that a launch file in Python names."""
     if not is_model:
         return partial(can_be_included, wanted=path, including=[launch.path], finder=launch.finder)
     return partial(is_semantic if path.lower().endswith(SRDF_SUFFIXES) else makes_robot, finder=launch.finder)

@@ -121,7 +121,7 @@ def _locate_insertion(
 
 
 def _list_unconditional_commands(commands: Sequence[CmakeCommand]) -> list[CmakeCommand]:
-    """Return the commands outside of conditions, loops and functions: those in them may not run."""
+    """Return the commands that are in no condition, loop or function: those in them may not run."""
     depth, found = 0, []
     for command in commands:
         if command.name in _BLOCKS:

@@ -1,5 +1,5 @@
-"""The files that a launch file may mean where it names one that does not exist. Each is tried before it is named: a file that
-would not do in its place is none."""
+"""The files that a launch file may mean where it names one that does not exist. Each is tried before it is
+named."""
 
 from __future__ import annotations
 
