@@ -883,6 +883,7 @@ def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
         ('<include file="$(find car)/launch/$(arg which).launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/other.launch"><arg name="x" value="1"/></include>', False),
         ('<include file="$(find bus)/launch/robot.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(find old_car)/launch/robot.launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(dirname)/robot.launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/robot.launch"><arg name="y" value="1"/></include>', False),
         ('<!--<include file="robot.launch"><arg name="x" value="1"/></include>-->', False),
@@ -894,6 +895,7 @@ def test_an_argument_that_another_launch_file_passes_is_not_deleted_alone(
 ) -> None:
     files = {"robot.launch": '<launch>\n<arg name="x"/>\n</launch>', "all.launch": f"<launch>{include}</launch>"}
     files["package.xml"] = '<package format="2"><name>car</name></package>'
+    files["bus/package.xml"] = '<package format="2"><name>bus</name></package>'
     (finding,) = find(tmp_path, files, "LCH004", name="robot.launch")
     assert finding.fix is not None
     assert bool(finding.fix.edits) != is_passed

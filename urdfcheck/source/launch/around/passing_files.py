@@ -33,10 +33,15 @@ def find_passing_files(launch: Launch, argument: str) -> list[Path]:
         path
         for path, includes in passing.items()
         if any(
-            argument in names and _may_mean(typed, own) and ({package, named} & {""} or package == named)
+            argument in names and _may_mean(typed, own) and _may_be_package(named, package, launch.finder)
             for named, typed, names in includes
         )
     ]
+
+
+def _may_be_package(named: str, own: str, finder: PackageFinder) -> bool:
+    """Whether an include may mean the package of a file: by its name, without one, or by an old name, which is of no package."""
+    return not named or not own or named == own or finder.find(named) is None
 
 
 def _may_mean(typed: str, name: str) -> bool:
