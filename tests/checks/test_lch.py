@@ -184,6 +184,16 @@ def test_only_a_robot_is_proposed_in_place_of_a_missing_one(
     assert (place.name in get_repair(finding)) == is_named
 
 
+@pytest.mark.parametrize(("other", "is_named"), [("car_2", False), ("car2b", False), ("bus", True)])
+def test_the_robot_of_another_version_is_not_meant(tmp_path: Path, other: str, is_named: bool) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / f"{other}/urdf").mkdir(parents=True)
+    (tmp_path / f"{other}/package.xml").write_text(f'<package format="2"><name>{other}</name></package>')
+    (tmp_path / f"{other}/urdf/base.urdf").write_text(WHOLE)
+    (finding,) = find_in_package(tmp_path, load("$(find car)/urdf/base.urdf"), "LCH001")
+    assert ("base.urdf)" in get_repair(finding)) == is_named
+
+
 @pytest.mark.parametrize(
     ("passed", "content", "is_named"),
     [
@@ -446,6 +456,24 @@ def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, fo
     assert len(check(tmp_path / "car", codes={"LCH001", "LCH003"}).findings) == 2 * count
 
 
+@pytest.mark.parametrize(
+    ("name", "named", "count"),
+    [
+        ("car_old.launch", "", 0),
+        ("car_old.launch", '<include file="$(find car)/launch/car_old.launch"/>', 1),
+        ("arm_old.launch", "", 1),
+        ("car_odd.launch", "", 1),
+    ],
+)
+def test_an_old_copy_of_a_launch_file_that_nothing_names_is_left_out(
+    tmp_path: Path, name: str, named: str, count: int
+) -> None:
+    find_in_package(tmp_path, LOAD + named, "LCH001")
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/>'
+    (tmp_path / "car/launch" / name).write_text(f"<launch>{load('$(find car)/urdf/gone.urdf')}{node}</launch>")
+    assert len(check(tmp_path / "car", codes={"LCH001", "LCH003"}).findings) == 2 * count
+
+
 ROS2 = "<export><build_type>ament_cmake</build_type></export>"
 BOTH = ROS2.replace("</export>", "<build_type>catkin</build_type></export>")
 
@@ -564,6 +592,26 @@ def test_a_model_that_a_script_writes_is_known_after_it(
     (finding,) = find(tmp_path, files, "LCH001", name=name)
     missing = "named" if language == "python" else "file"
     assert finding.message_id == (missing if known else "unknown")
+
+
+@pytest.mark.parametrize(
+    ("file", "text", "found"),
+    [
+        ("launch/view.launch.in", "<launch/>", ["unknown"]),
+        ("launch/view.launch.em", "<launch/>", ["unknown"]),
+        (".gitignore", "view.launch", ["unknown"]),
+        ("launch/view.launch.txt", "", ["unknown", "include-file"]),
+        ("urdf/arm.urdf", WHOLE, ["include-file"]),
+    ],
+)
+def test_what_the_build_makes_of_a_template_is_not_missing(
+    tmp_path: Path, file: str, text: str, found: list[str]
+) -> None:
+    find_in_package(tmp_path, LOAD, "LCH001")
+    (tmp_path / "car/urdf/arm.urdf.in").write_text(WHOLE)
+    (tmp_path / "car" / file).write_text(text)
+    body = load("$(find car)/urdf/arm.urdf") + INCLUDE.format("$(find car)/launch/view.launch")
+    assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == found
 
 
 def test_an_include_of_ros_2_may_be_put_there_by_the_build(tmp_path: Path) -> None:
@@ -834,6 +882,9 @@ def test_arguments(tmp_path: Path, body: str, messages: list[str]) -> None:
         ('<include file="$(find car)/launch/robot.launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/$(arg which).launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/other.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(find bus)/launch/robot.launch"><arg name="x" value="1"/></include>', False),
+        ('<include file="$(find old_car)/launch/robot.launch"><arg name="x" value="1"/></include>', True),
+        ('<include file="$(dirname)/robot.launch"><arg name="x" value="1"/></include>', True),
         ('<include file="$(find car)/launch/robot.launch"><arg name="y" value="1"/></include>', False),
         ('<!--<include file="robot.launch"><arg name="x" value="1"/></include>-->', False),
         ('<include file="robot.launch"/><include file="b.launch"><arg name="x" value="1"/></include>', False),
@@ -843,6 +894,8 @@ def test_an_argument_that_another_launch_file_passes_is_not_deleted_alone(
     tmp_path: Path, include: str, is_passed: bool
 ) -> None:
     files = {"robot.launch": '<launch>\n<arg name="x"/>\n</launch>', "all.launch": f"<launch>{include}</launch>"}
+    files["package.xml"] = '<package format="2"><name>car</name></package>'
+    files["bus/package.xml"] = '<package format="2"><name>bus</name></package>'
     (finding,) = find(tmp_path, files, "LCH004", name="robot.launch")
     assert finding.fix is not None
     assert bool(finding.fix.edits) != is_passed

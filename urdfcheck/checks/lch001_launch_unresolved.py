@@ -13,15 +13,7 @@ from typing import Any
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
 from urdfcheck.core.text import format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
-from urdfcheck.source.launch.built_files import find_maker, is_git_ignored
-from urdfcheck.source.launch.launch_file import (
-    BrokenInclude,
-    DescriptionSource,
-    Launch,
-    is_included_by_sibling,
-    list_declared_arguments,
-)
-from urdfcheck.source.launch.meant_files import (
+from urdfcheck.source.launch.around.meant_files import (
     Trial,
     can_be_included,
     describe_handing,
@@ -31,11 +23,19 @@ from urdfcheck.source.launch.meant_files import (
     may_be_declared,
     takes_arguments,
 )
+from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
+from urdfcheck.source.launch.launch_file import (
+    BrokenInclude,
+    DescriptionSource,
+    Launch,
+    is_included_by_sibling,
+    list_declared_arguments,
+)
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_kept_aside, is_rosbuild_package
+from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
 from urdfcheck.source.reach import FileReach
@@ -68,7 +68,7 @@ _LEFT_OVER: dict[str, Any] = {
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
-    if launch.package is not None and is_kept_aside(launch.path, launch.package.path):
+    if launch.is_kept_aside:
         return
     for found in _check_launch(context, rule):
         finding = found if launch.dialect == "ros1" else _say_for_ros2(found)
@@ -242,6 +242,9 @@ def _describe_maker(name: str, finder: PackageFinder) -> tuple[str, str] | None:
     around = (folder for folder in path.parents if finder.can_open(folder))
     folder = next(filter(is_rosbuild_package, around), None) if package is None else package.path
     maker = None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
+    template = None if folder is None or maker is not None else find_template(path, folder)
+    if template is not None and finder.can_open(template):
+        return f"the build makes {path.name} of {format_path(template)}", f"build the package, which makes {path.name}"
     if maker is None:
         return None
     how = f"make {path.name} before the launch ({format_path(maker)})"
@@ -257,7 +260,7 @@ def _build_unknown_finding(
 
 
 def _choose_trial(path: str, launch: Launch, *, is_model: bool) -> Trial:
-    """Return what decides whether another file would do where a launch file in Python names one."""
+    """Return what decides whether another file would do instead of one that a launch file in Python names."""
     if not is_model:
         return partial(can_be_included, wanted=path, including=[launch.path], finder=launch.finder)
     return partial(is_semantic if path.lower().endswith(SRDF_SUFFIXES) else makes_robot, finder=launch.finder)

@@ -27,6 +27,8 @@ class _Successor:
     """The program that misses the old one, and what it does without."""
     arguments: str = ""
     """What a repair adds where it reads other arguments."""
+    note: str = ""
+    """What a repair adds about the releases that only have the old name."""
 
     @property
     def drop_in(self) -> bool:
@@ -34,6 +36,7 @@ class _Successor:
         return not self.arguments
 
 
+_OLD_SPAWNER = ", unless the robot stays on ROS 2 Foxy, which has only the old name"
 _NO_FRAMES = ("rviz", "shows no robot, because nothing publishes its frames")
 _NO_DESCRIPTION = ("rviz", "shows no robot, because robot_description stays empty")
 _NO_ROBOT = ("gazebo", "starts the world without the robot")
@@ -67,12 +70,14 @@ _SUCCESSORS = {
             "spawner",
             "ROS 2 Humble",
             ("ros2_control", "runs without the controllers that the node would start"),
+            note=_OLD_SPAWNER,
         ),
         ("controller_manager", "unspawner.py"): _Successor(
             "controller_manager",
             "unspawner",
             "ROS 2 Humble",
             ("ros2_control", "keeps the controllers running that the node would stop"),
+            note=_OLD_SPAWNER,
         ),
     },
 }
@@ -98,7 +103,9 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
                 since=successor.since,
-                also="; delete the period, the last number of args" if _has_period(node) else successor.arguments,
+                also="; delete the period, the last number of args"
+                if _has_period(node)
+                else successor.arguments or successor.note,
             )
     for description in launch.descriptions:
         script = description.words[0] if description.words and not description.is_from_include else ""

@@ -9,8 +9,8 @@ from pathlib import Path
 from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.around.passing_files import find_passing_files
 from urdfcheck.source.launch.launch_file import Launch, is_included_by_sibling
-from urdfcheck.source.launch.passing_files import find_passing_files
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element

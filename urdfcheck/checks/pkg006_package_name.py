@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.released_packages import read_released_packages
 
 # REP 144: lower case letters, digits and underscores, beginning with a letter, at least two characters.
 _REP144 = re.compile(r"[a-z][a-z0-9_]+")
@@ -21,7 +22,9 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     element = root.find_child("name")
     if element is None:
         good = _suggest_name(package.path.absolute().name)
-        yield rule.finding("missing", at=root, severity=Severity.ERROR, good=good)
+        taken = _explain_taken(good, package)
+        repair = f"add `<name>{good}</name>`{f', or another name: {taken}' if taken else ''}"
+        yield rule.finding("missing", at=root, severity=Severity.ERROR, good=good, repair=repair)
         return
     name = package.name
     good = _suggest_name(name)
@@ -29,10 +32,31 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         hyphen = bool(_CATKIN.fullmatch(name)) and len(name) > 1
         kind = "hyphen" if hyphen else "short" if len(name) < 2 else "illegal"
         yield rule.finding(
-            kind, at=element, name=name, good=good, why=_explain_illegal_name(name), debian=name.replace("_", "-")
+            kind,
+            at=element,
+            name=name,
+            good=good,
+            why=_explain_illegal_name(name),
+            debian=name.replace("_", "-"),
+            repair=_describe_repair(good, package),
         )
     elif "__" in name:
-        yield rule.finding("double", at=element, name=name, good=good)
+        yield rule.finding("double", at=element, name=name, good=good, repair=_describe_repair(good, package))
+
+
+def _describe_repair(good: str, package: Package) -> str:
+    """Say what name to give the package, unless another package has it."""
+    taken = _explain_taken(good, package)
+    new = f"rename the package, but not to `{good}` ({taken})" if taken else f"rename the package to `{good}`"
+    return f"{new}, also in its `package://` paths and `$(find …)`"
+
+
+def _explain_taken(good: str, package: Package) -> str:
+    """Say which other package has a name that is proposed; empty if none is known."""
+    workspace = {} if package.finder is None else package.finder.list_workspace_packages()
+    if workspace.get(good, package.path) != package.path:
+        return f"{format_path(workspace[good])} has that name"
+    return "ROS has released a package of that name" if good in read_released_packages() else ""
 
 
 def _explain_illegal_name(name: str) -> str:

@@ -31,6 +31,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         name=package.name,
         amount=format_count(len(rivals) + 1, "package"),
         folders=[format_path(folder) for folder in (package.path, *rivals)],
+        # colcon knows both marks, catkin only its own.
+        mark="CATKIN_IGNORE" if "catkin" in package.dependencies else "COLCON_IGNORE",
         listed=join_names((format_path(folder / "package.xml") for folder in sorted((package.path, *rivals))), 4),
     )
 

@@ -20,6 +20,8 @@ _WRITTEN = re.compile(
     r"""xacro\b[^\n]{0,300}?(?:>|\s-o|--output)[\s=]*["']?(?P<written>[^\s"'|;&()<>]+)|\bOUTPUT\s+["']?(?P<output>[^\s"'()]+)"""
 )
 _XACRO_ADDED = re.compile(r"xacro_add_\w+\s*\(([^()]*)\)")
+# What the names of templates end with: those of CMake, and those of empy, which catkin expands.
+_TEMPLATES = (".in", ".em")
 # What the shell, CMake or Python puts into a name.
 _FILLED_IN = re.compile(r"\$?\{[^{}]*\}|\$\w+|%s")
 
@@ -69,6 +71,16 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
         if f"{path.name}.in" in alike or (makes_files and any(file.partition(".")[0] == stem for file in alike)):
             return True
     return False
+
+
+def find_template(path: Path, package: Path) -> Path | None:
+    """Return the file of a package of which a build makes a missing one: ``car.launch.in`` of ``car.launch``."""
+    for here, names, files in walk(package):
+        names[:] = [n for n in names if not n.startswith(".")]
+        for ending in _TEMPLATES:
+            if path.name + ending in files:
+                return Path(here, path.name + ending)
+    return None
 
 
 def is_git_ignored(path: Path, reach: FileReach) -> bool:

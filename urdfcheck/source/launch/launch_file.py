@@ -15,14 +15,15 @@ from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.launch.built_files import may_be_built
+from urdfcheck.core.text import compile_names
+from urdfcheck.source.launch.built_files import find_template, is_git_ignored, may_be_built
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.package_folders import get_used_name, is_kept_aside, read_package_texts
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
@@ -130,8 +131,22 @@ class Launch:
 
     @property
     def is_left_over(self) -> bool:
-        """Whether nothing starts it: it was left from ROS 1, or is in a folder of files that are kept and not used."""
-        return self.is_left_from_ros1 or (self.package is not None and is_kept_aside(self.path, self.package.path))
+        """Whether nothing starts it: it was left from ROS 1, or is kept and not used."""
+        return self.is_left_from_ros1 or self.is_kept_aside
+
+    @property
+    def is_kept_aside(self) -> bool:
+        """Whether it is in a folder of files that are kept and not used, or is an old copy of one beside it that no text of the
+        package names: ``car_old.launch`` of ``car.launch``."""
+        if self.package is None:
+            return False
+        if is_kept_aside(self.path, self.package.path):
+            return True
+        used = get_used_name(self.path.name)
+        if not used or not self.finder.can_open(self.path.with_name(used)) or not self.path.with_name(used).is_file():
+            return False
+        own = compile_names((self.path.name,))
+        return not any(map(own.search, read_package_texts(self.package.path, self.finder.can_open)))
 
     @property
     def nodes(self) -> list[Element]:
@@ -336,9 +351,15 @@ class _IncludeReader:
         """
         if path not in self._missing and len(self._missing) < MAX_INCLUDES:
             package = self.finder.find_package_of(path) if path.is_absolute() else None
-            is_built = self.is_ros2 and package is not None and may_be_built(path, package.path, LAUNCH_SUFFIXES)
-            self._missing[path] = package is not None and not is_built
+            self._missing[path] = package is not None and not self._may_be_built(path, package)
         return self._missing.get(path, False)
+
+    def _may_be_built(self, path: Path, package: Package) -> bool:
+        """Whether the build puts a file there. roslaunch finds what is in the sources, and what is made of a template there."""
+        if self.is_ros2:
+            return may_be_built(path, package.path, LAUNCH_SUFFIXES)
+        reach = FileReach.from_paths([package.path], [])
+        return is_git_ignored(path, reach) or find_template(path, package.path) is not None
 
     def _collect_passed_arguments(
         self, include: Element, resolver: SubstitutionResolver, file: Path

@@ -1,5 +1,5 @@
-"""The files that a launch file may mean where it names one that does not exist. Each is tried before it is named: a file that
-would not do in its place is left out."""
+"""The files that a launch file may mean where it names one that does not exist. Each is tried before it is
+named."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, 
 from urdfcheck.system.files import read_text_or_nothing
 
 _XACRO, _PYTHON = ".xacro", ".py"
+# What tells the names of the packages of a series apart.
+_VERSION = re.compile(r"[_-]?v?\d+[a-z]{0,2}$")
 # So many xacro files are searched for one that includes another.
 _MOST_INCLUDERS = 1_000
 # Whether a file would do in the place of the missing one.
@@ -90,7 +92,15 @@ def _find_only_file(path: Path, finder: PackageFinder) -> Path | None:
             return None
         folder = package.path
     found = [other for other in index_files([folder]).get(path.name.lower(), ()) if other.name == path.name]
+    found = [other for other in found if not _is_of_another_version(path, other, finder)]
     return found[0] if len(found) == 1 and finder.can_open(found[0]) else None
+
+
+def _is_of_another_version(path: Path, other: Path, finder: PackageFinder) -> bool:
+    """Whether two files are in packages of two robots of a series, ``arm`` and ``arm_2``, and so of both."""
+    packages = [finder.find_package_of(normalise_path(place.absolute())) for place in (path, other)]
+    one, two = ("" if package is None else package.name for package in packages)
+    return one != two and _VERSION.sub("", one) == _VERSION.sub("", two)
 
 
 def _find_includers(part: Path, finder: PackageFinder) -> list[Path]:
