@@ -325,9 +325,11 @@ def _judge_sides(
     """Find the side whose tensor was typed, where that makes the difference, and the side that is wrong, with the links that say
     so."""
     typed = find_typed_side(both[0].link, both[1].link) if both[1].deviation.spread > note else None
-    wrong = (both[both[1].link is typed], ()) if typed is not None else None
-    wrong = wrong or find_wrong_side(model, pair, both, threshold=note) or _find_side_outside(model, both, note=note)
-    asked = _ask_drawings(model, pair, both, wrong, note=note)
+    if typed is not None:
+        asked = _ask_drawings(model, pair, both, (both[both[1].link is typed], ()), note=note)
+    else:
+        found = find_wrong_side(model, pair, both, threshold=note) or _find_side_outside(model, both, note=note)
+        asked = _ask_drawings(model, pair, both, found, note=note)
     return (typed if asked is not None and asked[0].link is typed else None), asked
 
 

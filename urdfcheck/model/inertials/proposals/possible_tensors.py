@@ -22,6 +22,7 @@ from urdfcheck.model.inertials.proposals.slip_repairs import (
 )
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal, is_possible_tensor
 from urdfcheck.model.inertials.proposals.tensor_sizes import has_drawn_moment, is_unlike_drawn, propose_other_size
+from urdfcheck.model.inertials.proposals.twin_numbers import propose_twin_number
 from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
 from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_bare_zeros, has_lost_moment
 from urdfcheck.model.parts import Link
@@ -46,7 +47,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     """Propose the smallest change that makes an inertia tensor possible, by what is known of the mistake.
 
     In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
-    number in which a link of the same mass and shape differs; other signs of the products; where little is missing, or the digits
+    number in which a link of the same mass and shape, or the one on the other side, differs; other signs of the products; where little is missing, or the digits
     are too few, the nearest tensor that a body can have, about the author's own COM, unless the drawn part's is far from it. Only
     then the inertia of the drawn part.
     """
@@ -59,7 +60,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     undone = _propose_diagnosed_undo(model, link)
     if undone is not None and not (undone.cause == "decimal" and has_many_slips(model)):
         return undone
-    like = propose_like_link(model, declared)
+    like = propose_like_link(model, declared) or propose_twin_number(model, declared)
     if like is not None:
         return like
     typed = measure_tensor_rounding(declared.texts)
