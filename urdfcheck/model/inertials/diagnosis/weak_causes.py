@@ -49,7 +49,8 @@ def drop_weak_causes(
     """Return the verdicts, without the causes that the drawing of a link does not show."""
     return {
         name: _withdraw_cause(one)
-        if _is_weak(model, model.link_by_name[name], numbers[name], one) or _is_unit_by_chance(model, name, numbers, found)
+        if _is_weak(model, model.link_by_name[name], numbers[name], one)
+        or _is_unit_by_chance(model, name, numbers, found)
         else one
         for name, one in found.items()
     }

@@ -47,9 +47,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     """Propose the smallest change that makes an inertia tensor possible, by what is known of the mistake.
 
     In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
-    number in which a link of the same mass and shape, or the one on the other side, differs; other signs of the products; where little is missing, or the digits
-    are too few, the nearest tensor that a body can have, about the author's own COM, unless the drawn part's is far from it. Only
-    then the inertia of the drawn part.
+    number in which a link of the same mass and shape, or the one on the other side, differs; other signs of the products; where
+    little is missing, or the digits are too few, the nearest tensor that a body can have, about the author's own COM, unless the
+    drawn part's is far from it. Only then the inertia of the drawn part.
     """
     declared = model.tensor_by_name.get(link.name)
     if declared is None:

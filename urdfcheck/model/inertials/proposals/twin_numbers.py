@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
@@ -14,9 +16,14 @@ from urdfcheck.model.parts import TENSOR_NAMES, DeclaredTensor, Link
 from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.robot import Model
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
 # Two exports of one part agree in the mass and, relative to the largest moment, in each number to this share, and in the COM to
 # this share of the radius of gyration.
 _SAME, _SAME_PLACE = 0.01, 0.02
+# What products of rotation matrices leave of a zero, and the factor up to which a motor or a screw explains a moment.
+_ROUNDING, _SIMILAR = 1e-6, 2.0
 
 
 def propose_twin_number(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
@@ -40,6 +47,28 @@ def propose_twin_number(model: Model, declared: DeclaredTensor) -> InertialPropo
         message=f"; {name} on the other side has {text}, and apart from signs about the same other numbers",
         remedy=f"write {text}, the number of {name}, or ",
         is_located=True,
+    )
+
+
+def describe_zero_by_twin(model: Model, declared: DeclaredTensor, uniform: Array | None, *, drawn: str) -> str:
+    """Describe the repair of a zero tensor where the link on the other side, of the same mass, has one: its numbers, or those of
+    both where they are far from the ``uniform`` ones (3, 3) of what the link draws, in words ``drawn``. Empty where there is no such
+    twin."""
+    own, twin = read_declared_inertial(declared.link), find_agreeing_twin(model, declared.link)
+    if own is None or twin is None or not is_possible_tensor(twin[1].tensor):
+        return ""
+    name, image = twin
+    wanted = list_inertia_components(own.rotation.T @ image.inertia @ own.rotation)
+    largest = max(map(abs, wanted))
+    kept = [value if abs(value) > _ROUNDING * largest else 0.0 for value in wanted]
+    text = " ".join(f'{axis}="{value:.6g}"' for axis, value in zip(TENSOR_NAMES, kept, strict=True) if value)
+    moments = [] if uniform is None else [np.linalg.eigvalsh(one) for one in (image.tensor, uniform)]
+    factor = float(np.exp(np.abs(np.log(moments[0] / moments[1])).max())) if moments and moments[0][0] > 0.0 else 1.0
+    if factor < _SIMILAR:
+        return f"write {text} as in {name} on the other side"
+    return (
+        f"compute the tensors of both sides again, as the known ones are up to {factor:.2g}-fold apart: {name}, of the same mass,"
+        f" has {text}, and what {declared.link.name} draws {drawn}"
     )
 
 
