@@ -52,8 +52,8 @@ def propose_twin_number(model: Model, declared: DeclaredTensor) -> InertialPropo
 
 def describe_zero_by_twin(model: Model, declared: DeclaredTensor, uniform: Array | None, *, drawn: str) -> str:
     """Describe the repair of a zero tensor where the link on the other side, of the same mass, has one: its numbers, or those of
-    both where they are far from the ``uniform`` ones (3, 3) of what the link draws, in words ``drawn``. Empty where there is no such
-    twin."""
+    both where they are far from the ``uniform`` ones (3, 3) of what the link draws, in words ``drawn``. Empty where there is no
+    such twin."""
     own, twin = read_declared_inertial(declared.link), find_agreeing_twin(model, declared.link)
     if own is None or twin is None or not is_possible_tensor(twin[1].tensor):
         return ""

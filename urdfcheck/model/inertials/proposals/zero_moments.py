@@ -41,7 +41,7 @@ def has_bare_zeros(declared: DeclaredTensor) -> bool:
 
 def is_point_about_origin(declared: DeclaredTensor) -> bool:
     """Whether a tensor is the parallel-axis term of the link's mass at its COM: that of a point, about the link's origin, of
-    which nothing is left about the COM. The products may have either sign, and one coordinate of the COM another decimal point."""
+    which nothing is left about the COM. The products may have either sign, and a coordinate of the COM another decimal point."""
     com = _get_com_in_axes(declared)
     if com is None or not com.any():
         return False
