@@ -70,7 +70,7 @@ from urdfcheck.model.likeness.shape_comparison import DIFFERENT, get_outline
 from urdfcheck.model.repairs.edits import AttributeChange, change_numbers, describe_remedy, make_attribute_edits
 from urdfcheck.model.repairs.inertial_edits import have_one_text
 from urdfcheck.model.shapes.repeated_drawings import are_drawn_in_one_place
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
 
 # INR009 leaves this mistake to SYM004.
@@ -355,7 +355,10 @@ def _ask_drawings(
 
 
 def _measure_differing_mismatch(model: Model, side: PairSide, note: float) -> float:
-    """Measure how far what differs between the sides, COM or tensor, is from what a side draws; 0 where that is not known."""
+    """Measure how far what differs between the sides, COM or tensor, is from what a side draws; 0 where that is not known, as a
+    collision shape in its place only bounds the part."""
+    if explain_collision_stand_in(model, side.link) is not None:
+        return 0.0
     tensor, com = _measure_own_mismatch(model, side.link)
     deviation = side.deviation
     return max(tensor if deviation.spread > note else 0.0, com if deviation.com_offset > note else 0.0)

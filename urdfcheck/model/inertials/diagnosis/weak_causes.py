@@ -70,8 +70,8 @@ def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Di
     drawn = measure_link_geometry(model, link)
     if diagnosis.cause is None or drawn is None:
         return False
-    if diagnosis.judged_by == "twin":
-        return _is_twin_far(declared, drawn, diagnosis)
+    if diagnosis.judged_by == "twin":  # a collision shape only bounds both
+        return explain_collision_stand_in(model, link) is None and _is_twin_far(declared, drawn, diagnosis)
     if diagnosis.judged_by != "mesh":
         return False
     if diagnosis.cause == "inertia_unit" and _is_lighter_than_foam(declared, drawn):
