@@ -73,9 +73,14 @@ def describe_zero_by_twin(model: Model, declared: DeclaredTensor, uniform: Array
 
 
 def has_com_of_twin(model: Model, link: Link) -> bool:
-    """Whether mass and COM of a link, which were filled in, are the mirror image of its twin's: then the COM is meant."""
-    own = read_declared_inertial(link)
-    return own is not None and bool(own.com.any()) and find_agreeing_twin(model, link) is not None
+    """Whether mass and COM of a link, which were filled in, are the mirror image of its twin's, which were typed apart: then the
+    COM is meant."""
+    own, twin = read_declared_inertial(link), find_agreeing_twin(model, link)
+    if own is None or twin is None or link.inertial is None or not own.com.any():
+        return False
+    other = model.link_by_name[twin[0]].inertial
+    typed = [None if one is None else one.origin.get_attribute("xyz") for one in (link.inertial, other)]
+    return typed[0] is None or typed[1] is None or typed[0].span != typed[1].span
 
 
 def find_agreeing_twin(model: Model, link: Link) -> tuple[str, DeclaredInertial] | None:
