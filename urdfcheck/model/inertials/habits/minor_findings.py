@@ -48,8 +48,8 @@ def is_lost(model: Model, link: Link) -> bool:
 
 def are_absorbed(model: Model, links: Sequence[Link]) -> bool:
     """Whether each of some links is a small part of what moves with it, on the base the whole robot, which has about the same
-    moments with the tensors that the links draw at their masses. The others count with the smaller one of the tensor that is
-    written and that which is drawn: theirs may be as wrong."""
+    moments with the tensors that the links draw at their masses. The others count with the smaller one of the tensors that are
+    written and drawn: theirs may be as wrong."""
     names = {link.name for link in links}
     try:
         return all(_is_absorbed(model, link, names) for link in links)

@@ -102,7 +102,7 @@ def find_agreeing_twin(model: Model, link: Link) -> tuple[str, DeclaredInertial]
 
 
 def _write_number(model: Model, twin: str, index: int, value: float) -> str:
-    """Write a number with the digits of the twin's, if it is that number but for its sign."""
+    """Write a number with the digits of the twin's, if it is that number apart from its sign."""
     known = model.tensor_by_name.get(twin)
     typed = "" if known is None else known.texts[index]
     if known is None or not np.isclose(abs(known.components[index]), abs(value), rtol=1e-9, atol=0.0):
