@@ -397,7 +397,7 @@ def _ask_twin(model: Model, declared: DeclaredTensor) -> str:
         describe_drawn_inertial,
         draws_part,
     )
-    from urdfcheck.model.inertials.proposals.twin_numbers import describe_zero_by_twin
+    from urdfcheck.model.inertials.proposals.like_links import describe_zero_by_twin
 
     drawn = describe_drawn_inertial(model, declared.link) if draws_part(model, declared.link) else ""
     uniform = compute_drawn_tensor(model, declared) if drawn else None

@@ -51,8 +51,8 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
     format_comparison,
     lacks_only_com,
 )
+from urdfcheck.model.inertials.proposals.like_links import has_com_of_twin
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
-from urdfcheck.model.inertials.proposals.twin_numbers import has_com_of_twin
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
 from urdfcheck.model.motion.fixed_base import list_bolted_links

@@ -16,8 +16,8 @@ from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
+from urdfcheck.model.inertials.proposals.like_links import has_com_of_twin
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
-from urdfcheck.model.inertials.proposals.twin_numbers import has_com_of_twin
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model

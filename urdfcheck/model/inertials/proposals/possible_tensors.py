@@ -11,7 +11,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
     is_drawn_otherwise,
     propose_drawn_inertial,
 )
-from urdfcheck.model.inertials.proposals.like_links import propose_like_link
+from urdfcheck.model.inertials.proposals.like_links import propose_like_link, propose_twin_number
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
 from urdfcheck.model.inertials.proposals.slip_repairs import (
@@ -22,7 +22,6 @@ from urdfcheck.model.inertials.proposals.slip_repairs import (
 )
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal, is_possible_tensor
 from urdfcheck.model.inertials.proposals.tensor_sizes import has_drawn_moment, is_unlike_drawn, propose_other_size
-from urdfcheck.model.inertials.proposals.twin_numbers import propose_twin_number
 from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
 from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_bare_zeros, has_lost_moment
 from urdfcheck.model.parts import Link
