@@ -17,6 +17,7 @@ from urdfcheck.core.headlines import (
     cut_text,
     drop_parts,
     fill_headline,
+    fill_joint_headline,
     shorten_headline,
 )
 from urdfcheck.core.merging import join_occurrences
@@ -243,6 +244,13 @@ def test_a_headline_of_several_places_keeps_its_cause() -> None:
     assert ordered[0].headline == "base_link: two moments 6.2× too large (at the origin, CAD signs?)"
     joint = join_occurrences(ordered, {rule.code: rule})
     assert joint.headline == "base_link: suspect inertia (at the origin, CAD signs?) (+1 more)"
+
+
+def test_a_headline_counts_elements_of_which_one_finding_may_have_several() -> None:
+    template = "{link}: needs mass spread {wider:g}× wider than drawn by its own geometry"
+    data = [{"link": "shoulder", "wider": 22.4}, {"link": "a, b", "wider": 3.0}, {"link": "c", "wider": 5.0}]
+    joint = fill_joint_headline(template, data, [["shoulder"], ["a", "b"], ["c"]], "links")
+    assert joint.endswith(" (+3 more)")
 
 
 def _list_values(rule: Rule) -> list[str]:

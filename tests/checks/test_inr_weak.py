@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from builders import arm_on_base, box, collision, find, inertial, joint, limit, link, robot, visual
 
 from urdfcheck.core import Finding
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
+from urdfcheck.facts.inertials.diagnosis import Diagnosis, diagnose_inertial
+from urdfcheck.model import Model
+from urdfcheck.model.inertials.diagnosis.weak_causes import drop_causes_of_bounds, drop_weak_causes
+from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.source.load import load_source
+from urdfcheck.source.package.finder import PackageFinder
 
 
 def find_causes(folder: Path, *arm: str) -> list[Finding]:
@@ -73,3 +83,52 @@ def test_a_base_on_the_world_needs_no_inertia_of_its_own(tmp_path: Path, root: s
         link("arm", inertial(2, ixx=0.0033, iyy=0.0167, izz=0.0167), shape),
     )
     assert bool(find(tmp_path, text, "INR009")) == found
+
+
+def diagnose(folder: Path, text: str) -> tuple[Model, dict[str, DeclaredInertial], dict[str, Diagnosis]]:
+    """Return a robot's model, its inertials, and what what they draw alone says of them."""
+    path = folder / "robot.urdf"
+    path.write_text(text, encoding="utf-8")
+    source = load_source(path, {}, PackageFinder(folder, {}, []))
+    assert source.root is not None
+    model = Model(source=source, robot=source.root)
+    numbers, found = {}, {}
+    for one in model.links:
+        declared = read_declared_inertial(one)
+        verdict = None if declared is None else diagnose_inertial(declared, measure_link_geometry(model, one))
+        if declared is not None and verdict is not None:
+            numbers[one.name], found[one.name] = declared, verdict
+    return model, numbers, found
+
+
+@pytest.mark.parametrize(("shape", "kept"), [(collision, False), (visual, True)])
+def test_a_box_that_only_bounds_a_part_shows_no_unit(tmp_path: Path, shape: Callable[[str], str], kept: bool) -> None:
+    """A frame with a battery: its COM is not that of the box around it, and its tensor is smaller."""
+    frame = inertial(8.1, com="0.0093 0 -0.0206", ixx=0.0584, iyy=0.0379, izz=0.0334)
+    model, numbers, found = diagnose(tmp_path, arm_on_base(frame, shape(box("0.152 0.3 0.32"))))
+    pounds = replace(numbers["arm"], mass=0.4536 * numbers["arm"].mass)
+    found["arm"] = replace(
+        found["arm"], sound=False, cause="mass_unit", detail="lb", mended=pounds, mended_com_mismatch=0.3, unique=False
+    )
+    verdict = drop_causes_of_bounds(model, numbers, found)["arm"]
+    assert (verdict.cause == "mass_unit") is kept
+
+
+@pytest.mark.parametrize(("factor", "left", "kept"), [(500, 1.31, False), (1, 1.31, True), (500, 1.05, True)])
+def test_a_unit_of_one_link_leaves_the_part_or_stands_out(
+    tmp_path: Path, factor: float, left: float, kept: bool
+) -> None:
+    """Two links draw a cube: one of them has a tensor in lb·in², but for what is ``left``, the other ``factor`` times its own."""
+    cube, moment, unit = visual(box("0.1 0.1 0.1")), 0.001 / 0.6, 3417.0
+    text = robot(
+        link("base", inertial(1.0, factor * moment, com="0.001 0 0"), cube),
+        joint("j", "base", "arm", kind="continuous"),
+        link("arm", inertial(1.1, 1.1 * moment * unit * left), cube),
+    )
+    model, numbers, found = diagnose(tmp_path, text)
+    mended = replace(numbers["arm"], tensor=numbers["arm"].tensor / unit)
+    found["arm"] = replace(
+        found["arm"], sound=False, cause="inertia_unit", detail="lb·in²", mended=mended, unique=False
+    )
+    verdict = drop_weak_causes(model, numbers, found)["arm"]
+    assert (verdict.cause == "inertia_unit") is kept

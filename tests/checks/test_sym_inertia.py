@@ -219,6 +219,16 @@ def test_nothing_is_edited_where_no_inertial_is_that_of_the_drawn_part(tmp_path:
     assert not finding.fix.edits
 
 
+def test_numbers_that_are_far_from_the_drawn_part_are_not_copied(tmp_path: Path) -> None:
+    links = {name: drawn() + make_lump_inertial(tensor=300.0 * TENSOR) for name in FOUR}
+    links["rl"] = drawn() + make_lump_inertial(tensor=np.diag((0.8, 0.9, 1.1)) * 300.0 * TENSOR.max())
+    (finding,) = find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **links))
+    assert finding.message_id == "unknown"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title.startswith("compute the inertials of all from the part: those of ")
+
+
 def test_mirrored_inertials_of_one_drawing_may_both_be_right(tmp_path: Path) -> None:
     """The frames are at other heights, so that the links are no pair of SYM004."""
     mirror = np.diag((1, -1, 1))

@@ -17,14 +17,17 @@ from conftest import check_text
 from transforms import Robot, Transformation, each_link, moved_link, rerooted, rotated_inertial, rotated_link, scaled
 
 from urdfcheck.core import Finding, Severity
+from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.inertia_tensor import (
     combine_solids,
     compute_solid_inertia,
     make_box_solid,
     transform_solid,
 )
+from urdfcheck.facts.likeness.mirror import measure_deviation
 from urdfcheck.facts.motion.kinematics import build_origin_transform, rpy_to_matrix
 from urdfcheck.model import Model
+from urdfcheck.model.inertials.inertial_differences import describe_differences
 from urdfcheck.model.inertials.mirrored_inertials import compare_sides, find_cause, find_side_slip
 from urdfcheck.model.likeness.declared_inertials import estimate_from_twin, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
@@ -564,6 +567,58 @@ def test_the_hind_legs_decide_about_the_front_legs(tmp_path: Path) -> None:
     assert (limited.message_id, limited.location.subject) == ("limits", "joint[FL_joint]/limit")
     assert limited.fix is not None
     assert [(e.expected, e.replacement) for e in limited.fix.edits] == [("1.0", "2.0")]
+
+
+def wider(robot: Robot, link_name: str, *factors: float) -> Robot:
+    """The robot with other moments of inertia of a link: so many times the right ones."""
+    path = f"link[@name='{link_name}']/inertial/inertia"
+    six = numbers(robot, path)
+    return with_(
+        robot, path, **{n: repr(f * float(six[n])) for n, f in zip(("ixx", "iyy", "izz"), factors, strict=True)}
+    )
+
+
+def test_numbers_that_are_far_from_every_drawn_part_are_not_copied(tmp_path: Path) -> None:
+    """The hind legs have the tensor of one front leg, which is hundreds of times that of any of them."""
+    robot = quadruped()
+    for name in ("FR_hip", "RL_hip", "RR_hip"):
+        robot = wider(robot, name, 900, 700, 1800)
+    (finding,) = find(tmp_path, ET.tostring(wider(robot, "FL_hip", 460, 460, 460), encoding="unicode"), "SYM004")
+    assert finding.message_id == "both"
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title == "compute both inertials from the parts: neither is near that of what is drawn"
+
+
+def test_a_leg_with_the_inertia_of_what_it_draws_is_right_whatever_the_others_have(tmp_path: Path) -> None:
+    robot = quadruped()
+    for name in ("FR_hip", "RL_hip", "RR_hip"):
+        robot = wider(robot, name, 900, 700, 1800)
+    (finding,) = find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+    assert (finding.message_id, finding.location.subject) == ("inertial", "link[FR_hip]/inertial/inertia")
+    assert "The drawing of FR_hip fits the inertial of FL_hip much better" in finding.message
+
+
+def test_a_symmetric_part_may_be_on_the_other_side_after_half_a_turn(tmp_path: Path) -> None:
+    """Of a box the drawing is its own image by a mirror and by any half turn."""
+    robot = quadruped()
+    for name, side in (("FL_hip", 1), ("FR_hip", -1)):
+        fresh = make_box_link(name, [((0.06, 0.05, 0.2), (0.0, 0.0, -0.1))])
+        place = fresh.find("inertial/origin")
+        assert place is not None
+        place.set("xyz", f"{0.002 * side} 0 -0.1")
+        old = robot.find(f"link[@name='{name}']")
+        assert old is not None
+        robot.remove(old)
+        robot.append(fresh)
+    assert not find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004")
+
+
+def test_one_tensor_for_two_masses_has_the_same_axes() -> None:
+    one = DeclaredInertial(1.0, np.zeros(3), np.diag((0.0129, 0.0129, 0.0004)))
+    other = replace(one, mass=0.4)
+    words = list(describe_differences(one, other, measure_deviation(one, other), 0.01))
+    assert words == ["mass 1 kg instead of 0.4 kg (× 2.5)"]
 
 
 def test_limbs_that_agree_roughly_decide_nothing(tmp_path: Path) -> None:

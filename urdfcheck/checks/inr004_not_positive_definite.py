@@ -29,6 +29,10 @@ REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18
 NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
 # Bars of so many masses do not have one tensor.
 _FEWEST_MASSES = 3
+# A tensor of a point has a third moment below this share of the others: digits leave no more.
+_OF_POINT = 1e-3
+# Causes that are about the places of the six numbers.
+_OF_ORDER, _IN_ORDER = frozenset({"diagonal_first", "rows", "slot_repeated"}), ", in the order ixx ixy ixz iyy iyz izz"
 # What to write where nothing is drawn.
 _FORMULAS = {
     "line": "write the third moment too: ½·m·r² for a bar of mass m and radius r",
@@ -67,15 +71,16 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
     points: list[DeclaredTensor] = []
     lines: list[DeclaredTensor] = []
     helpers: list[DeclaredTensor] = []
+    terms: list[tuple[DeclaredTensor, bool, bool]] = []
     for declared in model.tensors:
         components = declared.components
         moments = declared.moments
         smallest, largest = moments[0], max(map(abs, moments))
         if is_point_mass(declared.inertial):
             points.append(declared)
-        elif smallest <= rel_tol * largest and _is_point_about_origin(declared):
+        elif smallest <= _OF_POINT * largest and _is_point_about_origin(declared):
             is_rounded = smallest > -rounding * largest and _measure_rounding(declared, rel_tol).explained_by_rounding
-            yield _build_term_finding(rule, declared, is_possible=smallest >= -rel_tol * largest, is_rounded=is_rounded)
+            terms.append((declared, smallest >= -rel_tol * largest, is_rounded))
         elif any(components[i] < 0 for i in DIAGONAL) or smallest < -rel_tol * largest:
             whole = find_merged_body(model, declared.link)
             possible = whole is not None and whole.is_physically_valid(rel_tol)
@@ -94,6 +99,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
                 yield _build_indefinite_finding(model, rule, wrong)
         elif smallest <= rel_tol * largest and compute_excess(moments) >= -rel_tol:
             lines.append(declared)
+    if terms:
+        yield _build_term_finding(rule, terms)
     # The tree is built only for these: a rod or a point is harmless if the links fixed to it complete the body.
     yield from _check_singular_links(model, rule, "point", links=points, rel_tol=rel_tol)
     yield from _check_singular_links(model, rule, "line", links=lines, rel_tol=rel_tol)
@@ -134,16 +141,29 @@ def _build_rounded_finding(rule: Rule, wrong: _IndefiniteTensor) -> Finding:
     )
 
 
-def _build_term_finding(rule: Rule, declared: DeclaredTensor, *, is_possible: bool, is_rounded: bool) -> Finding:
-    """Report a tensor of a point at the COM, about the link's origin: more digits leave the third moment zero."""
-    return rule.finding(
+def _build_term_finding(rule: Rule, terms: Sequence[tuple[DeclaredTensor, bool, bool]]) -> Finding:
+    """Report tensors of points at the COMs, about the links' origins: one mistake, whichever side of zero digits leave the third
+    moment on. ``terms``: each with whether it is possible, and whether rounding explains that it is not."""
+    from urdfcheck.model.inertials.proposals.zero_moments import describe_slipped_point
+
+    first, *others = (declared for declared, _, _ in terms)
+    is_possible = all(possible for _, possible, _ in terms)
+    slips = [(one.link.name, slip) for one in (first, *others) if (slip := describe_slipped_point(one))]
+    finding = rule.finding(
         "term",
-        at=declared.element,
-        severity=Severity.WARNING if is_possible or is_rounded else None,
+        at=first.element,
+        related=[declared.element for declared in others],
+        severity=Severity.WARNING if all(possible or rounded for _, possible, rounded in terms) else None,
         consequences=dict.fromkeys(("gazebo", "drake", "pinocchio"), "loads it") if is_possible else {},
-        link=declared.link.name,
-        mass=declared.inertial.mass,
+        links=join_names(declared.link.name for declared, _, _ in terms),
+        claim=f"that of a point of {first.inertial.mass:.4g} kg at the COM"
+        if not others
+        else f"that of a point at the COM ({first.link.name}: of {first.inertial.mass:.4g} kg)",
+        slips="".join(f". {name}: the point has {slip} as the COM has" for name, slip in slips),
+        # A tensor about another point is larger than any about the COM.
+        explains=[f"{code} link[{one.link.name}]" for one in (first, *others) for code in ("INR005", "INR009")],
     )
+    return replace(finding, subjects=tuple(one.element.location.subject for one in (first, *others)))
 
 
 def _build_indefinite_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -> Finding:
@@ -199,17 +219,27 @@ def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -
     worst = max(bounds, key=lambda i: abs(components[i]) - bounds[i])
     alone = abs(components[worst]) > bounds[worst]
     a, b = PRODUCTS[worst]
+    shown = next(
+        texts
+        for digits in (*range(4, 17), 17)
+        if (texts := [f"{value:.{digits}g}" for value in (abs(components[worst]), bounds[worst])])[0] != texts[1]
+        or digits == 17
+    )
     single = {
+        "shown": f"-{shown[0]}" if components[worst] < 0.0 else shown[0],
+        "limit": shown[1],
         "product": TENSOR_NAMES[worst],
         "value": components[worst],
         "bound": bounds[worst],
         "first": TENSOR_NAMES[a],
         "second": TENSOR_NAMES[b],
     }
+    cause = repair.cause or _guess_cause(components)
     return rule.finding(
         "product" if alone else "products",
         at=declared.get_attribute(worst) if alone else declared.element,
-        cause=repair.cause or _guess_cause(components),
+        cause=cause,
+        order=_IN_ORDER if cause in _OF_ORDER else "",
         edits=repair.edits,
         consequences={"gazebo": wrong.gazebo},
         **(single if alone else {}),
@@ -337,6 +367,8 @@ def _collect_remedy(
         remedy = f"{unknown.pop()}, and the tensor"
     elif placeholder is not None:
         remedy = "compute the tensor of each link from its mesh or dimensions and its mass"
+    elif len(links) == 1 and message == "point" and (by_twin := _ask_twin(model, links[0])):
+        remedy = by_twin
     elif (drawn := describe_drawn_inertial(model, links[0].link)) and not draws_part(model, links[0].link):
         remedy = _BY_SHAPE + (format_comparison(drawn) if len(links) == 1 else "")
     elif drawn:
@@ -348,6 +380,20 @@ def _collect_remedy(
     elif any(has_drawn_shape(declared.link) for declared in links):  # a part of some shape: no bar, no ball
         remedy = _BY_SHAPE
     return {"found": placeholder or "", "remedy": remedy}
+
+
+def _ask_twin(model: Model, declared: DeclaredTensor) -> str:
+    """Describe what to write for a zero tensor if the link on the other side has one, and what is drawn; empty otherwise."""
+    from urdfcheck.model.inertials.proposals.drawn_inertials import (
+        compute_drawn_tensor,
+        describe_drawn_inertial,
+        draws_part,
+    )
+    from urdfcheck.model.inertials.proposals.like_links import describe_zero_by_twin
+
+    drawn = describe_drawn_inertial(model, declared.link) if draws_part(model, declared.link) else ""
+    uniform = compute_drawn_tensor(model, declared) if drawn else None
+    return describe_zero_by_twin(model, declared, uniform, drawn=drawn)
 
 
 def _list_zero_factors(declared: DeclaredTensor) -> list[str]:

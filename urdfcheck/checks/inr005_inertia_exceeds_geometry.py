@@ -51,6 +51,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
     format_comparison,
     lacks_only_com,
 )
+from urdfcheck.model.inertials.proposals.like_links import has_com_of_twin
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
@@ -236,7 +237,8 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
         explained = f". It fits one mistake: {mistake}"
         return _Advice(undo, f"write {undo.words} if that is the mistake, or ", explained=explained)
     is_known = has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1
-    drawn = describe_drawn_inertial(model, part.link, with_com=has_com_apart(model, part.link)) if is_known else ""
+    is_com_wrong = has_com_apart(model, part.link) and not has_com_of_twin(model, part.link)
+    drawn = describe_drawn_inertial(model, part.link, with_com=is_com_wrong) if is_known else ""
     unknown = _Advice(remedy=_LONE_FRAME if _is_lone_frame(part) else "", comparison=format_comparison(drawn))
     if (like_others := _advise_undo_of_others(model, part, declared, ratio=ratio)) is not None:
         return like_others

@@ -17,7 +17,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
-from urdfcheck.model.inertials.habits.minor_findings import is_lost, set_lost_aside
+from urdfcheck.model.inertials.habits.minor_findings import are_absorbed, is_lost, set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
@@ -262,11 +262,13 @@ def _build_tensor_finding(
         is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
         is_bodiless = is_untouched(model)
+        is_absorbed = not unknown and are_absorbed(model, [suspect.declared.link for suspect in known])
         kinds = {
             "bolted": is_bolted,
             "chosen": is_chosen,
             "estimate": is_estimate,
             "untouched": is_bodiless,
+            "absorbed": is_absorbed,
             "placeholder": is_felt,
         }
         message = next((kind for kind, fits in kinds.items() if fits), "rod")
@@ -278,32 +280,24 @@ def _build_tensor_finding(
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
             severity=Severity.INFO
-            if is_bolted or is_bodiless or is_chosen or is_estimate
+            if is_bolted or is_bodiless or is_chosen or is_estimate or is_absorbed
             else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
-            consequences=_UNFELT if message == "untouched" else too_large if is_less else _TOO_SMALL,
+            consequences=_UNFELT if message in {"untouched", "absorbed"} else too_large if is_less else _TOO_SMALL,
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
 def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str]) -> str:
-    """Say how many links of the file besides those of these ``names`` have the numbers of a placeholder: little depends on them
-    there, and a repair means them too."""
-    span = declared.inertial.location.span
+    """Say how many links besides those of these ``names`` have the numbers of a placeholder: little depends on them there, and a
+    repair means them too."""
     others = [
-        other
-        for other in model.tensors
-        if other.components == declared.components
-        and other.link.name not in names
-        and (place := other.inertial.location.span) is not None
-        and span is not None
-        and place.file == span.file
-        and _describe_placeholder(model, other.link) is not None
+        other for other in model.tensors if other.components == declared.components and other.link.name not in names
     ]
     if not others:
         return ""

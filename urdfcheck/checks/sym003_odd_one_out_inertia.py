@@ -97,9 +97,11 @@ def _build_outlier_finding(
     model: Model, rule: Rule, odd: CopyComparison, *, why: str, differ: float, note: float, is_known: bool = True
 ) -> Finding:
     """Report a link that is unlike its copies. ``is_known``: whether its drawing shows that it is the wrong one."""
+    is_model = _is_model(model, odd, note)
+    is_known = is_known and is_model
     inertial = _get_inertial(model, odd.link)
     others = [_get_inertial(model, link) for link in odd.by]
-    repair = build_inertial_repair(inertial, odd.expected)
+    repair, siblings = build_inertial_repair(inertial, odd.expected), join_names(link.name for link in odd.by)
     shared = any(have_one_text(repair.places, inertial, other) for other in others)
     # Numbers that no link has are as exact as the drawing: compared, not written.
     edits = () if shared or odd.is_image or not is_known else repair.edits
@@ -110,10 +112,21 @@ def _build_outlier_finding(
         edits=edits,
         severity=None if odd.deviation.worst >= differ else Severity.INFO,
         numbers=repair.text if shared or not is_known else repair.words,
+        repair=f"if {odd.link.name} is the same part as the others and these are right, give it {repair.text}"
+        if is_model
+        else f"compute the inertials of all from the part: those of {siblings} are far from what is drawn, too",
         why=why,
-        siblings=join_names(link.name for link in odd.by),
+        siblings=siblings,
         **_collect_data(odd, note),
     )
+
+
+def _is_model(model: Model, odd: CopyComparison, note: float) -> bool:
+    """Whether the numbers of the others may be those of the part that a link draws, as far as that is known."""
+    if measure_role_geometry(model, odd.link, "visual") is None:
+        return True  # collision shapes only bound it
+    miss = _measure_least_miss(model, odd.link, odd.expected, _list_differing(odd, note))
+    return miss is None or miss <= MAX_PLAUSIBLE_MISS
 
 
 def _build_majority_finding(model: Model, rule: Rule, odd: CopyComparison, *, differ: float, note: float) -> Finding:
@@ -138,13 +151,19 @@ def _build_majority_finding(model: Model, rule: Rule, odd: CopyComparison, *, di
 
 def _ask_drawing(model: Model, odd: CopyComparison, note: float) -> str | None:
     """Ask what a link draws which inertial is wrong: its own (``odd``) or the ``others``; None where it does not show that."""
-    differing = {"com_offset"} if odd.deviation.com_offset > note else set()
-    if max(odd.deviation.mass, odd.deviation.spread) > note:
-        differing.add("spread")
+    differing = _list_differing(odd, note)
     actual, expected = (
         _measure_least_miss(model, odd.link, numbers, differing) for numbers in (odd.actual, odd.expected)
     )
     return _choose_wrong(actual, expected, note)
+
+
+def _list_differing(odd: CopyComparison, note: float) -> set[str]:
+    """List what differs, as `InertialDeviation` calls it."""
+    differing = {"com_offset"} if odd.deviation.com_offset > note else set()
+    if max(odd.deviation.mass, odd.deviation.spread) > note:
+        differing.add("spread")
+    return differing
 
 
 def _choose_wrong(odd: float | None, others: float | None, note: float) -> str | None:

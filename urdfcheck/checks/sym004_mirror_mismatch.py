@@ -24,17 +24,18 @@ from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     are_alike_when_spun,
     find_wrong_signs,
+    measure_outline_mismatch,
     measure_principal_deviation,
 )
 from urdfcheck.model import DeclaredTensor, Joint, Link, Model
 from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
-from urdfcheck.model.inertials.habits.tensor_units import find_tensor_unit
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import (
     CONTRADICTIONS,
+    FACETS,
     PairSide,
     compare_sides,
     find_cause,
@@ -53,7 +54,7 @@ from urdfcheck.model.inertials.mirrored_inertials import (
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_own_mesh
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.inertials.unrelated_sides import UnlikeSides, compare_unrelated_sides, describe_slip
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair, mirror_pairs
+from urdfcheck.model.likeness.mirror_pairs import MUCH_BETTER, MirrorPair, mirror_pairs
 from urdfcheck.model.likeness.mirror_places import iter_place_mistakes
 from urdfcheck.model.likeness.mirrored_joints import (
     MismatchedLimit,
@@ -65,11 +66,11 @@ from urdfcheck.model.likeness.mirrored_joints import (
     group_by_chain,
     is_shifted,
 )
-from urdfcheck.model.likeness.shape_comparison import DIFFERENT
+from urdfcheck.model.likeness.shape_comparison import DIFFERENT, get_outline
 from urdfcheck.model.repairs.edits import AttributeChange, change_numbers, describe_remedy, make_attribute_edits
 from urdfcheck.model.repairs.inertial_edits import have_one_text
 from urdfcheck.model.shapes.repeated_drawings import are_drawn_in_one_place
-from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
 
 # INR009 leaves this mistake to SYM004.
@@ -82,6 +83,8 @@ _SAME_MASS = 0.2
 _SLIGHT_SPREAD, _NEARER = 0.01, 0.5
 # Tensors of two exports of one part differ by less (chosen).
 _TWO_EXPORTS = 0.1
+# Numbers of one side are near what it draws within this share of what is far (chosen), where nothing else says which is wrong.
+_NEAR = 0.25
 # A COM is the drawn part's within this share of a radius of gyration.
 _OWN_COM = 0.02
 # A COM is outside its drawing beyond this share of the drawing's size, as for INR006.
@@ -304,7 +307,7 @@ def _may_differ(model: Model, pair: MirrorPair, side: PairSide, *, note: float, 
     """Whether the difference of two sides may be right: of drawings that are shifted, of a part that turns, or, where nothing has
     ``is_decided`` which side is wrong, of numbers that relate alike to what each side draws."""
     axis = find_spin_axis(model, pair, side.link.name)
-    if not is_decided and _is_slight_turn(side, note):
+    if not is_decided and (_is_slight_turn(side, note) or _is_drawn_turned(model, pair, side, note)):
         return True
     if _are_shifted_drawings(pair, side) or (
         axis is not None and are_alike_when_spun(side.actual, side.expected, axis, note)
@@ -323,8 +326,42 @@ def _judge_sides(
     so."""
     typed = find_typed_side(both[0].link, both[1].link) if both[1].deviation.spread > note else None
     if typed is not None:
-        return typed, (both[both[1].link is typed], ())
-    return None, find_wrong_side(model, pair, both, threshold=note) or _find_side_outside(model, both, note=note)
+        asked = _ask_drawings(model, pair, both, (both[both[1].link is typed], ()), note=note)
+    else:
+        found = find_wrong_side(model, pair, both, threshold=note) or _find_side_outside(model, both, note=note)
+        asked = _ask_drawings(model, pair, both, found, note=note)
+    return (typed if asked is not None and asked[0].link is typed else None), asked
+
+
+def _ask_drawings(
+    model: Model,
+    pair: MirrorPair,
+    both: Sequence[PairSide],
+    wrong: tuple[PairSide, tuple[str, ...]] | None,
+    *,
+    note: float,
+) -> tuple[PairSide, tuple[str, ...]] | None:
+    """Return the side that is ``wrong``, where what each side draws does not say otherwise: numbers that are far from it repair
+    nothing, whichever other links have them. If both are far, neither side has numbers for the other; if one is, it is wrong."""
+    if find_cause(pair, both[1], note) in _SIGN_CAUSES:
+        return wrong
+    misses = [_measure_differing_mismatch(model, side, note) for side in both]
+    if min(misses) > FAR:
+        return None
+    if max(misses) > FAR and (wrong is not None or min(misses) < _NEAR * FAR):
+        far = both[misses.index(max(misses))]
+        return wrong if wrong is not None and wrong[0].link is far.link else (far, ())
+    return wrong
+
+
+def _measure_differing_mismatch(model: Model, side: PairSide, note: float) -> float:
+    """Measure how far what differs between the sides, COM or tensor, is from what a side draws; 0 where that is not known, as a
+    collision shape in its place only bounds the part."""
+    if explain_collision_stand_in(model, side.link) is not None:
+        return 0.0
+    tensor, com = _measure_own_mismatch(model, side.link)
+    deviation = side.deviation
+    return max(tensor if deviation.spread > note else 0.0, com if deviation.com_offset > note else 0.0)
 
 
 def _find_side_outside(
@@ -446,6 +483,18 @@ def _is_slight_turn(side: PairSide, note: float) -> bool:
     return side.deviation.spread <= note and off < _SLIGHT_TURN and find_half_turn(side, note) is not None
 
 
+def _is_drawn_turned(model: Model, pair: MirrorPair, side: PairSide, note: float) -> bool:
+    """Whether a side has the numbers of its twin after half a turn that carries one drawing onto the other as well as the mirror
+    does: then the part is symmetric, and may be on the other side either way."""
+    axis = find_half_turn(side, note)
+    one, other = get_outline(model, side.twin.name), get_outline(model, side.link.name)
+    if axis is None or one is None or other is None or pair.mirror_mismatch is None:
+        return False
+    turn = np.diag(2.0 * np.eye(3)["xyz".index(axis)] - 1.0)
+    mismatch = measure_outline_mismatch(one, other, linear=turn, shift=np.zeros(3))
+    return mismatch < MUCH_BETTER * max(FACETS, pair.mirror_mismatch)
+
+
 def _has_com_outside(model: Model, link: Link) -> bool:
     """Whether the COM is outside the hull of what the link draws: then the numbers are no model for its twin."""
     numbers = get_comparable_inertial(link)
@@ -488,8 +537,6 @@ def _measure_own_mismatch(model: Model, link: Link) -> tuple[float, float]:
     diagnosed, drawn = inertial_diagnoses(model).get(link.name), measure_link_geometry(model, link)
     if diagnosed is None or drawn is None:
         return 0.0, 0.0
-    if find_tensor_unit(model) is not None:
-        return 0.0, measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)[1]
     tensor, com = measure_inertial_mismatch(diagnosed.declared, drawn.solid.com, drawn.solid.covariance)
     uniform = compute_solid_inertia(drawn.solid, diagnosed.declared.mass)
     is_less = not drawn.closed and np.trace(diagnosed.declared.tensor) < np.trace(uniform)

@@ -161,8 +161,18 @@ def fill_joint_headline(
                 return named
             counted = f"{places} places" if places > len(everything) else f"{len(everything)} {kind}"
             return fill_headline(f"{counted}: {claim}", data[0])
-    rest = format_more(len(data) - 1)
+    rest = format_more(count_more(template, data, names))
     return f"{fill_headline(template, data[0], LONGEST_HEADLINE - len(rest))}{rest}"
+
+
+def count_more(template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> int:
+    """Count what several findings are about besides that of the first: elements where the headline begins with their names, of
+    which one finding may be about several; otherwise findings."""
+    about = _ABOUT.fullmatch(template)
+    if about is None or not all(about[1] in values for values in data) or not _is_named(about[1], data, names):
+        return len(data) - 1
+    others = {name for some in names for name in some} - set(names[0])
+    return max(len(data) - 1, len(others))
 
 
 def format_more(count: int) -> str:

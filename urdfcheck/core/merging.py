@@ -12,6 +12,7 @@ from urdfcheck.core import Applicability, Edit, Finding, Fix, Located, Rule, Ver
 from urdfcheck.core.findings import iter_occurrences
 from urdfcheck.core.headlines import (
     LONGEST_HEADLINE,
+    count_more,
     cut_line,
     fill_joint_headline,
     format_more,
@@ -208,10 +209,10 @@ def _join_headlines(ordered: Sequence[Finding], rules: Mapping[str, Rule]) -> st
     first = ordered[0]
     names = [_list_names(own) for own in ordered]
     rule = rules.get(first.code)
-    rest = format_more(len(ordered) - 1)
+    template = "" if rule is None else rule.headlines.get(first.message_id, "")
+    rest = format_more(count_more(template, [own.data for own in ordered], names))
     room = LONGEST_HEADLINE - len(rest)
     try:
-        template = rule.headlines[first.message_id] if rule is not None else ""
         if template and len({own.message_id for own in ordered}) == 1:
             kind = _name_kind(ordered)
             # Several blocks may be for one link.

@@ -31,7 +31,7 @@ from urdfcheck.model.inertials.diagnosis.link_diagnosis import diagnose_link, me
 from urdfcheck.model.inertials.diagnosis.mesh_frames import name_mesh_frames
 from urdfcheck.model.inertials.diagnosis.rounded_masses import name_units_of_rounded_masses
 from urdfcheck.model.inertials.diagnosis.verdict_keys import compute_model_key, compute_verdict_key
-from urdfcheck.model.inertials.diagnosis.weak_causes import drop_weak_causes
+from urdfcheck.model.inertials.diagnosis.weak_causes import drop_causes_of_bounds, drop_weak_causes
 from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
@@ -90,7 +90,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
         known.whole = whole
         write_verdicts(entry, known)
     habit = None if known.habit is None else (known.habit["id"], known.habit["detail"])
-    decoded = {name: decode_diagnosis(known.verdicts[verdict]) for name, (verdict, _) in known.links.items()}
+    kept = {name: decode_diagnosis(known.verdicts[verdict]) for name, (verdict, _) in known.links.items()}
+    decoded = drop_causes_of_bounds(model, numbers, kept)
     diagnosed = {}
     others = {name: one for name, one in decoded.items() if (one.cause, one.detail) != habit}
     joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))

@@ -54,7 +54,7 @@ COPIED = 0.005
 # The mesh of one side decides unless the twin's COM or tensor fits it worse by this much.
 WORSE_FIT = 0.1
 # Drawings that differ by less, as a share of their size, are the same but for their facets (chosen).
-_FACETS = 1e-3
+FACETS = 1e-3
 # Numbers that agree within this share of a length differ in signs only (chosen).
 _SIGNED = 0.01
 # Two COMs are far apart beyond this share of the drawn part's radius of gyration; of the way between them, the drawn part's is at
@@ -193,7 +193,7 @@ def _make_side(
         choices.insert(0, (image, pair.mirror_mismatch))
     nearest, near_mismatch = min(choices, key=lambda choice: measure_deviation(actual, choice[0]).worst)
     best, mismatch = min(choices, key=lambda choice: choice[1])
-    is_proven = near_mismatch > MUCH_BETTER * max(_FACETS, mismatch)
+    is_proven = near_mismatch > MUCH_BETTER * max(FACETS, mismatch)
     if is_proven and measure_deviation(actual, nearest).worst > _SIGNED and find_wrong_signs(actual, best, _SIGNED):
         nearest = best
     return PairSide(

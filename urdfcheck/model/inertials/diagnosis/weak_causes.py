@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.facts.inertials.certainty import EXACT, FAR
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.materials import LIGHTEST
 from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.robot import Model
@@ -29,6 +31,12 @@ _OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})
 # A mass and a tensor with so many digits each were computed together: nobody typed one of them later. What is not drawn, or a
 # second material, changes a size by less than this share.
 _EXPORTED_DIGITS, _OTHER_MATERIAL = 12, 0.25
+# The units that programs write are those of all links of a file: one link shows one by the tensor of its part, to this share.
+_UNITS, _OWN_TENSOR = frozenset({"inertia_unit", "mass_unit", "units"}), 0.1
+# Primitives that stand for a part bound it. What is off them by less than this factor may be the rest of the part.
+_BOUNDED = 10.0
+# Mistakes of signs: the magnitudes are the twin's, right or wrong.
+_OF_SIGNS = frozenset({"unmirrored", "products_sign", "one_sign"})
 # Causes whose numbers come from the drawing, that are in the drawing, or of which the tensor shows only a part.
 _TOLD_BY_OTHERS = frozenset(
     {"rounded", "other_mass", "wrong_formula", "shell", "bounding_box", "convex_hull", "one_piece", "mesh_scale"}
@@ -40,16 +48,31 @@ def drop_weak_causes(
 ) -> dict[str, Diagnosis]:
     """Return the verdicts, without the causes that the drawing of a link does not show."""
     return {
-        name: _withdraw_cause(one) if _is_weak(model, model.link_by_name[name], numbers[name], one) else one
+        name: _withdraw_cause(one)
+        if _is_weak(model, model.link_by_name[name], numbers[name], one)
+        or _is_unit_by_chance(model, name, numbers, found)
+        else one
+        for name, one in found.items()
+    }
+
+
+def drop_causes_of_bounds(
+    model: Model, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
+) -> dict[str, Diagnosis]:
+    """Return the verdicts, without the causes that collision shapes show which only bound the part, be they those of the file."""
+    return {
+        name: _withdraw_cause(one) if _rests_on_bounds(model, model.link_by_name[name], numbers[name], one) else one
         for name, one in found.items()
     }
 
 
 def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> bool:
-    if diagnosis.cause is None or diagnosis.judged_by != "mesh":
-        return False
     drawn = measure_link_geometry(model, link)
-    if drawn is None:
+    if diagnosis.cause is None or drawn is None:
+        return False
+    if diagnosis.judged_by == "twin":  # a collision shape only bounds both
+        return explain_collision_stand_in(model, link) is None and _is_twin_far(declared, drawn, diagnosis)
+    if diagnosis.judged_by != "mesh":
         return False
     if diagnosis.cause == "inertia_unit" and _is_lighter_than_foam(declared, drawn):
         return True  # the mass is the wrong number, and some unit brings a tensor near that of any mass
@@ -69,6 +92,54 @@ def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Di
         return True  # the last digits are all that differs
     left, before = (float(np.linalg.norm(tensor - uniform)) for tensor in (mended.inertia, declared.inertia))
     return drawn.closed and not diagnosis.unique and left > _LEFT * before
+
+
+def _is_twin_far(declared: DeclaredInertial, drawn: VisualGeometry, diagnosis: Diagnosis) -> bool:
+    """Whether the twin's numbers, to which a mistake leads, are themselves those of no part like the drawn one."""
+    mended = diagnosis.mended
+    if mended is None or not drawn.closed or diagnosis.cause in _OF_SIGNS:
+        return False
+    tensor, com = measure_inertial_mismatch(mended, drawn.solid.com, drawn.solid.covariance)
+    changes = (mended.inertia != declared.inertia).any(), (mended.com != declared.com).any()
+    return bool((changes[0] and tensor > FAR) or (changes[1] and com > FAR))
+
+
+def _rests_on_bounds(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> bool:
+    """Whether a mistake is found by collision shapes that only bound a part: primitives whose COM and tensor the numbers do not
+    have without it, while the mistake changes sizes by no more than a part differs from its bounds."""
+    mended = diagnosis.mended
+    if mended is None or diagnosis.judged_by != "mesh" or explain_collision_stand_in(model, link) is None:
+        return False
+    if not diagnosis.fits_geometry or any(shape.kind == "mesh" for shape in link.collisions):
+        return False
+    if diagnosis.cause == "com_missing" or max(diagnosis.mended_tensor_mismatch, diagnosis.mended_com_mismatch) < EXACT:
+        return False
+    sizes = [float(np.trace(one.tensor)) / one.mass for one in (declared, mended)]
+    lengths = [float(np.linalg.norm(one.com)) for one in (declared, mended)]
+    return all(max(pair) < _BOUNDED * min(pair) or pair[0] == pair[1] for pair in (sizes, lengths))
+
+
+def _is_unit_by_chance(
+    model: Model, name: str, numbers: Mapping[str, DeclaredInertial], found: Mapping[str, Diagnosis]
+) -> bool:
+    """Whether a unit fits one link of a file whose other links fit neither it nor their drawings, and not to the part's own
+    tensor: of many wrong numbers, one is about right in some unit."""
+    one, drawn = found[name], measure_link_geometry(model, model.link_by_name[name])
+    if one.cause not in _UNITS or one.judged_by != "mesh" or one.unique or one.mended is None or drawn is None:
+        return False
+    uniform = compute_solid_inertia(drawn.solid, one.mended.mass)
+    if float(np.linalg.norm(one.mended.inertia - uniform)) <= _OWN_TENSOR * float(np.linalg.norm(uniform)):
+        return False
+    own = _list_invariants(numbers[name])
+    others = [other for key, other in found.items() if _list_invariants(numbers[key]) != own]
+    if any((other.cause, other.detail) == (one.cause, one.detail) for other in others):
+        return False
+    return 2 * sum(not other.sound for other in others) > len(others)
+
+
+def _list_invariants(declared: DeclaredInertial) -> tuple[str, ...]:
+    """What copies and mirror images have in common: three digits of the mass and of the principal moments."""
+    return tuple(f"{value:.3g}" for value in (declared.mass, *np.linalg.eigvalsh(declared.tensor)))
 
 
 def _is_lighter_than_foam(declared: DeclaredInertial, drawn: VisualGeometry) -> bool:

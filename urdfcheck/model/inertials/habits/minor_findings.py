@@ -4,7 +4,7 @@ whatever they say moves nothing, and of links beside which a comment gives the r
 from __future__ import annotations
 
 import re
-from collections.abc import Container, Iterable, Iterator
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -44,6 +44,41 @@ def is_lost(model: Model, link: Link) -> bool:
     without room to move, as Gazebo's models have it to keep a sensor apart, moves nothing.
     """
     return link.name in _find_lost_links(model)
+
+
+def are_absorbed(model: Model, links: Sequence[Link]) -> bool:
+    """Whether each of some links is a small part of what moves with it, on the base the whole robot, which has about the same
+    moments with the tensors that the links draw at their masses. The others count with the smaller one of the tensors that are
+    written and drawn: theirs may be as wrong."""
+    names = {link.name for link in links}
+    try:
+        return all(_is_absorbed(model, link, names) for link in links)
+    except FactUnavailableError:
+        return False
+
+
+def _is_absorbed(model: Model, link: Link, wrong: set[str]) -> bool:
+    joint, moved = _find_moved_links(model, link.name)
+    numbers = _list_numbers(model, link)
+    if joint is None:  # the wheels of a base turn with it
+        moved = [one.name for one in model.links]
+    others = [_list_numbers(model, model.link_by_name[name]) for name in moved if name not in wrong]
+    if len(numbers) < len(("written", "drawn")):
+        return False
+    rest = [numbers[1], *(min(some, key=_get_size) for some in others if np.isfinite(some[0][2]).all())]
+    total = sum(mass for mass, _, _ in rest)
+    com = sum((mass * place for mass, place, _ in rest), np.zeros(3)) / total
+    whole = sum((own + compute_parallel_axis_term(mass, at - com) for mass, at, own in rest), np.zeros((3, 3)))
+    written, drawn = (own for _, _, own in numbers)  # where the COM is, is another matter
+    share = 1.0 / len(wrong & set(moved))
+    if not _is_small((written - drawn) / share, whole):
+        return False
+    is_turned = joint is not None and joint.type in _TURNING
+    return joint is None or not (is_turned and _is_felt_about(model, joint, [numbers[0]], rest, share))
+
+
+def _get_size(numbers: tuple[float, Array, Array]) -> float:
+    return float(np.trace(numbers[2]))
 
 
 def is_mark(model: Model, link: Link) -> bool:
@@ -175,9 +210,13 @@ def _is_small(part: Array, whole: Array) -> bool:
 
 
 def _is_felt_about(
-    model: Model, joint: Joint, part: list[tuple[float, Array, Array]], rest: list[tuple[float, Array, Array]]
+    model: Model,
+    joint: Joint,
+    part: list[tuple[float, Array, Array]],
+    rest: list[tuple[float, Array, Array]],
+    share: float = 1.0,
 ) -> bool:
-    """Whether a part has its share of the moment about the axis of a joint."""
+    """Whether a part has its share of the moment about the axis of a joint; ``share``: of what it may have there."""
     frame = model.piece_frames[joint.child]
     axis = frame[:3, :3] @ np.array(joint.axis or (1.0, 0.0, 0.0))
     length = float(np.linalg.norm(axis))
@@ -190,7 +229,7 @@ def _is_felt_about(
             float(axis @ (own + compute_parallel_axis_term(mass, at - centre)) @ axis) for mass, at, own in numbers
         )
 
-    return not compute_moment(part) < _FELT * compute_moment(rest)
+    return not compute_moment(part) < share * _FELT * compute_moment(rest)
 
 
 def _find_moved_links(model: Model, name: str) -> tuple[Joint | None, list[str]]:

@@ -16,6 +16,7 @@ from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
+from urdfcheck.model.inertials.proposals.like_links import has_com_of_twin
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
@@ -77,15 +78,17 @@ def format_comparison(drawn: str) -> str:
 def describe_possible_inertial(model: Model, link: Link) -> str:
     """Describe the inertia of what the link draws, in place of one that no body has: with the COM where that was typed apart from
     the drawn part's, if it is known."""
-    with_com = describe_drawn_inertial(model, link, with_com=True) if has_com_apart(model, link) else ""
+    is_wrong = has_com_apart(model, link) and not has_com_of_twin(model, link)
+    with_com = describe_drawn_inertial(model, link, with_com=True) if is_wrong else ""
     return with_com or describe_drawn_inertial(model, link)
 
 
 def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> InertialProposal:
     """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where that is a hull, or a
-    collision shape in place of the part."""
+    collision shape in place of the part, or where both sides have one COM that is not the drawn part's."""
     drawn = describe_possible_inertial(model, link)
-    if drawn and draws_part(model, link):
+    is_of_body = not (has_com_apart(model, link) and has_com_of_twin(model, link))
+    if drawn and is_of_body and draws_part(model, link):
         return InertialProposal(message=message, remedy=f"write {drawn}, or ")
     return InertialProposal(message=message, comparison=format_comparison(drawn))
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from urdfcheck.core.text import join_names
@@ -10,12 +12,13 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_te
 from urdfcheck.model.parts import TENSOR_NAMES, DeclaredTensor
 from urdfcheck.model.robot import Model
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+
 # A tensor is that of a point to within this share of its largest moment: four typed digits.
 _OF_POINT = 1e-3
 # Programs that round a moment (kg m²) keep more than two decimals.
 _FEW_DECIMALS = 5e-3
-# A COM on an axis makes a tensor of a line, as a thin rod has.
-_COORDINATES = 2
 # Where the moments are in ``ixx ixy ixz iyy iyz izz``.
 _DIAGONAL = (0, 3, 5)
 
@@ -37,19 +40,46 @@ def has_bare_zeros(declared: DeclaredTensor) -> bool:
 
 
 def is_point_about_origin(declared: DeclaredTensor) -> bool:
-    """Whether a tensor is the parallel-axis term of the link's mass at its COM, of two coordinates or three: that of a point,
-    about the link's origin, of which nothing is left about the COM."""
-    inertial, matrix = declared.inertial, declared.inertial.origin.matrix
-    if (
-        matrix is None
-        or inertial.mass is None
-        or not inertial.mass > 0.0
-        or np.count_nonzero(matrix[:3, 3]) < _COORDINATES
-    ):
+    """Whether a tensor is the parallel-axis term of the link's mass at its COM: that of a point, about the link's origin, of
+    which nothing is left about the COM. The products may have either sign, and a coordinate of the COM another decimal point."""
+    com = _get_com_in_axes(declared)
+    if com is None or not com.any():
         return False
-    rotation = matrix[:3, :3]
-    term = compute_parallel_axis_term(inertial.mass, rotation.T @ matrix[:3, 3])
-    return bool(np.abs(declared.tensor - term).max() <= _OF_POINT * np.abs(term).max())
+    term = compute_parallel_axis_term(declared.inertial.mass or 0.0, com)
+    off = float(np.abs(np.abs(declared.tensor) - np.abs(term)).max())
+    return off <= _OF_POINT * float(np.abs(term).max()) or describe_slipped_point(declared) != ""
+
+
+def describe_slipped_point(declared: DeclaredTensor) -> str:
+    """Say which coordinate of the COM is a power of ten times that of the point whose tensor about the link's origin the link
+    has; empty where the tensor is not that of such a point, or the COM is that point."""
+    com, mass = _get_com_in_axes(declared), declared.inertial.mass
+    if com is None or mass is None:
+        return ""
+    moments, axes = np.linalg.eigh(declared.tensor)
+    if not moments[2] > 0.0 or max(abs(moments[0]), moments[2] - moments[1]) > _OF_POINT * moments[2]:
+        return ""
+    distance = float(np.sqrt(moments[2] / mass))
+    point, typed = distance * np.abs(axes[:, 0]), np.abs(com)
+    off = np.flatnonzero(np.abs(point - typed) > _OF_POINT * distance)
+    # The other coordinates have to show that the point is meant.
+    if len(off) != 1 or not typed[off[0]] > 0.0 or np.count_nonzero(np.delete(typed, off)) == 0:
+        return ""
+    index = int(off[0])
+    power = float(np.log10(point[index] / typed[index])) if point[index] > 0.0 else 0.0
+    if not round(power) or abs(power - round(power)) > _OF_POINT:
+        return ""
+    wanted = float(np.copysign(10.0 ** round(power) * typed[index], com[index]))
+    return f"{'xyz'[index]} = {wanted:.6g}, not {com[index]:.6g}"
+
+
+def _get_com_in_axes(declared: DeclaredTensor) -> Array | None:
+    """Return the COM (3,) in the axes of the tensor; None where it is not known, or there is no mass."""
+    matrix, mass = declared.inertial.origin.matrix, declared.inertial.mass
+    if matrix is None or mass is None or not mass > 0.0:
+        return None
+    com: Array = matrix[:3, :3].T @ matrix[:3, 3]
+    return com
 
 
 def _list_zero_moments(declared: DeclaredTensor) -> list[int]:
