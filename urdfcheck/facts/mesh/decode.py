@@ -25,6 +25,9 @@ from urdfcheck.facts.mesh.formats.polygons import (
     parse_rows,
     triangulate_text_fans,
 )
+from urdfcheck.facts.mesh.formats.stl_damage import FACET as STL_FACET
+from urdfcheck.facts.mesh.formats.stl_damage import HEADER as STL_HEADER
+from urdfcheck.facts.mesh.formats.stl_damage import make_size_error
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -35,8 +38,6 @@ if TYPE_CHECKING:
 
 # The characters of plain text.
 _TEXT = bytes([*range(9, 14), *range(32, 127)])
-_STL_HEADER = 84
-_STL_FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 _COMMENT = re.compile(rb"#[^\r\n]*")
 _LINE_END = re.compile(rb"[\r\n]")
 _BOM = b"\xef\xbb\xbf"
@@ -123,12 +124,12 @@ def _refuse_impostors(data: bytes, file_type: str) -> None:
 
 def _decode_stl(data: bytes) -> RawMesh:
     # The size decides, not the first word: CAD systems write binary files whose header begins with "solid".
-    declared = int.from_bytes(data[80:84], "little") if len(data) >= _STL_HEADER else 0
-    expected = _STL_HEADER + declared * _STL_FACET.itemsize
+    declared = int.from_bytes(data[80:84], "little") if len(data) >= STL_HEADER else 0
+    expected = STL_HEADER + declared * STL_FACET.itemsize
     solid = data[:512].lstrip()[:5].lower() == b"solid"
-    if len(data) >= _STL_HEADER and len(data) == expected:
+    if len(data) >= STL_HEADER and len(data) == expected:
         ensure_size_limits(declared)
-        corners = np.frombuffer(data, _STL_FACET, count=declared, offset=_STL_HEADER)["corners"]
+        corners = np.frombuffer(data, STL_FACET, count=declared, offset=STL_HEADER)["corners"]
         vertices = np.ascontiguousarray(corners, dtype=np.float32).reshape(-1, 3)
         return RawMesh(format="stl-binary", vertices=vertices, faces=None, solid_header=solid)
     text = data.rstrip(b"\0")
@@ -138,20 +139,9 @@ def _decode_stl(data: bytes) -> RawMesh:
     if start and not solid and start.translate(None, _TEXT) == b"":
         begin = start[:40].splitlines()[0].decode()
         raise MeshError("text", f"is text, but no STL file: it begins with {begin!r}")
-    if len(data) < _STL_HEADER:
+    if len(data) < STL_HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, while a binary STL's header alone has 84")
-    present = (len(data) - _STL_HEADER) // _STL_FACET.itemsize
-    if len(data) < expected:
-        raise MeshError(
-            "truncated",
-            f"is truncated: it declares {declared:,} triangles ({expected:,} bytes) but has {present:,} "
-            f"({len(data):,} bytes)",
-        )
-    raise MeshError(
-        "wrong-size",
-        f"declares {declared:,} triangles ({expected:,} bytes) but has {len(data) - expected:,} more bytes, "
-        f"room for {present:,} triangles",
-    )
+    raise make_size_error(data, declared)
 
 
 def _decode_ascii_stl(data: bytes) -> RawMesh:
