@@ -61,7 +61,8 @@ def _find_plausible_facets(data: bytes, start: int) -> NDArray[np.bool_]:
         sizes = np.abs(facets["corners"].astype(float)).reshape(-1, 9)
         is_normal = (np.abs(lengths - 1.0) < _UNIT_SLACK) | (lengths == 0.0)
         is_length = (sizes == 0.0) | ((sizes > _LEAST) & (sizes < _LARGEST))
-    return np.logical_and(is_normal, is_length.all(axis=1))
+    found: NDArray[np.bool_] = is_normal & is_length.all(axis=1)
+    return found
 
 
 def _is_mostly_true(plausible: NDArray[np.bool_]) -> bool:
