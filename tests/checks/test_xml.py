@@ -1592,3 +1592,13 @@ def test_a_broken_launch_file_that_is_kept_aside_starts_nothing(
         (tmp_path / name).write_text(text)
     (finding,) = check(tmp_path / folder / "a.launch", codes={"XML001"}).findings
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(("own", "severity"), [("1 0 0", Severity.INFO), ("2 0 0", Severity.WARNING)])
+def test_an_origin_in_a_link_that_its_joint_has_too_loses_nothing(tmp_path: Path, own: str, severity: Severity) -> None:
+    text = (
+        '<robot name="r"><link name="base"/><link name="arm"><origin xyz="1.0 0 0" rpy="0 0 0"/></link>'
+        f'<joint name="j" type="fixed"><parent link="base"/><child link="arm"/><origin xyz="{own}"/></joint></robot>'
+    )
+    (finding,) = find(tmp_path, text, "XML003")
+    assert (finding.message_id, finding.severity) == ("misplaced", severity)
