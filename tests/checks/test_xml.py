@@ -1600,5 +1600,23 @@ def test_an_origin_in_a_link_that_its_joint_has_too_loses_nothing(tmp_path: Path
         '<robot name="r"><link name="base"/><link name="arm"><origin xyz="1.0 0 0" rpy="0 0 0"/></link>'
         f'<joint name="j" type="fixed"><parent link="base"/><child link="arm"/><origin xyz="{own}"/></joint></robot>'
     )
-    (finding,) = find(tmp_path, text, "XML003")
+    (finding,) = findings(tmp_path, text, "XML003")
     assert (finding.message_id, finding.severity) == ("misplaced", severity)
+
+
+@pytest.mark.parametrize(
+    ("definition", "place", "repair"),
+    [
+        ('<xacro:macro name="m">{}</xacro:macro>', "in the macro m, which is not called here", "write `<xacro:m/>` in place"),
+        ('<xacro:macro name="m"><link name="x">{}</link></xacro:macro>', "in the macro m", "define it as a child of <robot>"),
+        ('<xacro:if value="0">{}</xacro:if>', "under a condition that is false here", "define it as a child of <robot>"),
+    ],
+)
+def test_a_material_that_xacro_leaves_out_is_defined(tmp_path: Path, definition: str, place: str, repair: str) -> None:
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}<link name="a">{}</link></robot>'
+    visual = '<visual><geometry><sphere radius="1"/></geometry><material name="steel"/></visual>'
+    written = text.format(definition.format('<material name="steel"><color rgba="1 1 1 1"/></material>'), visual)
+    (finding,) = findings(tmp_path, written, "XML011", name="robot.urdf.xacro")
+    assert f"which robot.urdf.xacro defines only {place}" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
