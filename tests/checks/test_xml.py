@@ -1294,7 +1294,7 @@ def test_substitutions_that_only_gazebo_reads_are_a_note(
 @pytest.mark.parametrize(
     ("typed", "repair"),
     [
-        ("${size/2} 0 0", "write the value in its place: the file does not define size"),
+        ("${size/2} 0 0", "write the value in its place; the file does not define size"),
         ("${1/2} 0 0", "load what xacro makes of it"),
         ("${pi/2} ${sin(0.1)} 1e-3", "load what xacro makes of it"),
         ("$(arg size) 0 0", "load what xacro makes of it"),
@@ -1620,3 +1620,22 @@ def test_a_material_that_xacro_leaves_out_is_defined(tmp_path: Path, definition:
     assert f"which robot.urdf.xacro defines only {place}" in finding.message
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+
+
+def test_a_copy_of_a_part_that_a_xacro_includes_from_elsewhere_is_a_note(tmp_path: Path) -> None:
+    part = '<robot name="cam"><link name="a"><visual><origin rpy="${-M_PI/2} 0 ${-M_PI/2}"/></visual></link></robot>'
+    include = '<xacro:include filename="$(find other)/urdf/cam.urdf"/>'
+    for name, text in (
+        ("package.xml", "<package><name>p</name></package>"),
+        ("cam.urdf", part),
+        ("bot.xacro", f'<robot name="b" xmlns:xacro="x"><xacro:property name="M_PI" value="3.14"/>{include}</robot>'),
+    ):
+        (tmp_path / name).write_text(text)
+    (finding,) = check(tmp_path / "cam.urdf", codes={"XML009"}).findings
+    assert (finding.message_id, finding.severity) == ("twin", Severity.INFO)
+    assert "2 substitutions of xacro" in finding.message
+    (tmp_path / "bot.xacro").unlink()
+    (finding,) = check(tmp_path / "cam.urdf", codes={"XML009"}).findings
+    assert (finding.message_id, finding.severity) == ("not_expanded", Severity.ERROR)
+    assert finding.fix is not None
+    assert "only in a file that defines that and includes this one" in finding.fix.title
