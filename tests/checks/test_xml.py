@@ -1607,9 +1607,21 @@ def test_an_origin_in_a_link_that_its_joint_has_too_loses_nothing(tmp_path: Path
 @pytest.mark.parametrize(
     ("definition", "place", "repair"),
     [
-        ('<xacro:macro name="m">{}</xacro:macro>', "in the macro m, which is not called here", "write `<xacro:m/>` in place"),
-        ('<xacro:macro name="m"><link name="x">{}</link></xacro:macro>', "in the macro m", "define it as a child of <robot>"),
-        ('<xacro:if value="0">{}</xacro:if>', "under a condition that is false here", "define it as a child of <robot>"),
+        (
+            '<xacro:macro name="m">{}</xacro:macro>',
+            "in the macro m, which is not called here",
+            "write `<xacro:m/>` in place",
+        ),
+        (
+            '<xacro:macro name="m"><link name="x">{}</link></xacro:macro>',
+            "in the macro m",
+            "define it as a child of <robot>",
+        ),
+        (
+            '<xacro:if value="0">{}</xacro:if>',
+            "under a condition that is false here",
+            "define it as a child of <robot>",
+        ),
     ],
 )
 def test_a_material_that_xacro_leaves_out_is_defined(tmp_path: Path, definition: str, place: str, repair: str) -> None:

@@ -878,7 +878,9 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(GOOD_STL[:-1], "stl", "truncated", id="one byte short"),
         pytest.param(GOOD_STL + b"\n", "stl", "wrong-size", id="one byte too many"),
         pytest.param(GOOD_STL[:500] + GOOD_STL[501:], "stl", "line-ends", id="one byte missing inside"),
-        pytest.param(GOOD_STL[:130] + b"\r\n" + GOOD_STL[135:], "stl", "shifted", id="three bytes missing inside, CR LF left"),
+        pytest.param(
+            GOOD_STL[:130] + b"\r\n" + GOOD_STL[135:], "stl", "shifted", id="three bytes missing inside, CR LF left"
+        ),
         pytest.param(GOOD_STL[:84] + bytes(range(150, 250)), "stl", "wrong-size", id="short, of no triangles"),
         pytest.param(b"\0" * 84 + GOOD_STL[84:], "stl", "no-count", id="no count"),
         pytest.param(b"\0" * 84 + NOISE, "stl", "random", id="encrypted"),

@@ -400,7 +400,7 @@ MISTAKES = [
     (
         '[severity]\nselect = "error"\n[options.INR003]\nrel_tol = 1\n',
         2,
-        "no rule, prefix, name or tag is called 'select'",
+        "'select' names no rule",
     ),
     ('[options]\nINR003.rel_tol = "a"\n', 2, "rel_tol must be a number"),
     ("[options.INR003]\nrel_tol = nan\n", 2, "rel_tol must be a finite number"),

@@ -39,8 +39,8 @@ def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -
     A name that differs only in its digits is another part of the same kind, not another spelling; one with other sides is a
     part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``. Nor is a name with another word a spelling:
     ``front_left_calf`` is not ``front_left_foot``, however many letters they share. Nor is one at another place, or at a place
-    that the other does not name: ``front_right_caster`` is neither ``rear_right_caster`` nor ``right_caster``. A name that lacks a
-    word of several others names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``. However
+    that the other does not name: ``front_right_caster`` is neither ``rear_right_caster`` nor ``right_caster``. A name that lacks
+    a word of several others names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``. However
     short, ``left_hip`` is ``left_hip_joint``.
     """
     known, sides = list(known), _find_sides(name)
