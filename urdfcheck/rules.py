@@ -254,11 +254,13 @@ def select_rules(names: Iterable[str]) -> set[str]:
         if not codes:
             import difflib
 
-            known = sorted({
-                *load_rules(),
-                *(r.name for r in load_rules().values()),
-                *(t for r in load_rules().values() for t in r.tags),
-            })
+            known = sorted(
+                {
+                    *load_rules(),
+                    *(r.name for r in load_rules().values()),
+                    *(t for r in load_rules().values() for t in r.tags),
+                }
+            )
             near = difflib.get_close_matches(word, known, n=1, cutoff=0.5) or difflib.get_close_matches(
                 upper, known, n=1
             )

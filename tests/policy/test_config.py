@@ -405,7 +405,7 @@ MISTAKES = [
     ('[options]\nINR003.rel_tol = "a"\n', 2, "rel_tol must be a number"),
     ("[options.INR003]\nrel_tol = nan\n", 2, "rel_tol must be a finite number"),
     ('options = { INR003 = { rel_tol = 1 },\n  "INR005" = 3 }\n', 2, "INR005 must be a table"),
-    ('ignore = ["INR",\n\n  "JNT",\n  "INRX"]\n', 4, "'INRX'; did you mean INR"),
+    ('ignore = ["INR",\n\n  "JNT",\n  "INRX"]\n', 4, "'INRX' names no rule; did you mean INR"),
     ('target = [ # who\n "gazbo" ]\n', 2, "unknown target 'gazbo'; did you mean 'gazebo'?"),
     ('[[paths]]\nmatch = ["a"]\n[[paths]]\nmatch = ["b"]\nfail-on = "error"\n', 5, "unknown key 'fail-on'"),
     ('[[paths]]\nselect = ["INR"]\n', 1, "match must be a list of patterns"),

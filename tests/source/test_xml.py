@@ -343,7 +343,7 @@ def test_broken_text_is_refused_where_it_breaks(text: str, says: str, line: int,
         ("note\n<a/>\n", "delete everything before the first `<`"),
         (
             "a.launch\n<launch/>\n---\nb.launch\n<launch/>",
-            "keep one element and delete what is before and after it, or delete the file if it is a note",
+            "keep one element and delete what is before and after it, or delete the file",
         ),
         ("<a>\n<b>\n<b>\n</a>", "write `</b>` for the <b> of line 3 if it ends that of line 2; else close it"),
         ("<a/><a/>", "delete one of the two if it is a copy; else make them one element: a file has one root"),

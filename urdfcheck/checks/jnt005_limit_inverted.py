@@ -95,7 +95,7 @@ def _build_finding(
 
 
 def _carries_next_to_nothing(model: Model, joint: Joint) -> bool:
-    """Whether all that hangs on a joint weighs a gram or less: it was made to be a link of its own, not to move."""
+    """Whether all that hangs on a joint weighs a gram or less: it was made to keep a link, and not to move."""
     waiting, mass = [joint.child], 0.0
     try:
         children = model.tree.child_joints

@@ -104,7 +104,7 @@ def _find_sides(name: str) -> set[str]:
 def find_only_near_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
     """Return the known name that is spelled like ``name`` if it is the only one: an edit may write it.
 
-    One that has a word more or less is no slip: ``arm_wrist_link`` is typed for a link that was renamed, or for another one.
+    One that has a word more or less was not mistyped: ``arm_wrist_link`` is a link that was renamed, or another one.
     """
     near = find_nearest_name(name, known, likeness)
     if near is None or _list_similar_names(name, set(known) - {near}, likeness):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from typing import Any
+from xml.parsers import expat
 from xml.parsers.expat import ErrorString, errors
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.text.xml_trials import choose_working_repairs, split_where_it_breaks
 
 _GENERAL_REPAIR = (
     "fix the XML here: check for a missing `>`, quote or end tag, or a `&` that should be `&amp;`, just before it"
@@ -20,6 +22,8 @@ _ENTITY = re.compile(r"&([^\s;<>&\"'#][^\s;<>&\"']*);")
 _OPEN_ENTITY = re.compile(r"&[#\w.:-]{0,40}\Z")
 _ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
 _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
+# A larger file than any robot's is not parsed again to try a repair.
+_LARGEST_TRIED = 5_000_000
 # How much of a name is shown.
 _MOST_SHOWN = 60
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -110,10 +114,10 @@ def _describe_text_before_root(text: str, at: int, _: list[tuple[str, int]]) -> 
     shown = f" (`{_shorten(words[0])}`)" if words and words[0].isprintable() else ""
     message = f"there is text before the root element{shown}"
     repair = "delete everything before the first `<`"
-    read, rest = split_where_it_breaks(text[begin:])
+    read, rest = _split_where_it_breaks(text[begin:])
     if "<" in rest and read.rstrip().endswith(">") and not rest.lstrip().startswith("<"):
-        message += ", and more text and elements follow its end: this is no XML document"
-        repair = "keep one element and delete what is before and after it, or delete the file if it is a note"
+        message += ", and more text and elements follow its end: the file is a note and not XML"
+        repair = "keep one element and delete what is before and after it, or delete the file"
     return XmlMistake(message, start, end, repair)
 
 
@@ -225,7 +229,7 @@ def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistak
 
 def _join_ways(text: str, at: int, ways: list[tuple[str, str]]) -> str:
     """Join the repairs with which the text, or more of it, parses; if none does, say what to look for."""
-    return ", or ".join(choose_working_repairs(text, at, ways)) or _GENERAL_REPAIR
+    return ", or ".join(_choose_working_repairs(text, at, ways)) or _GENERAL_REPAIR
 
 
 def _find_tag_end(text: str, at: int) -> int:
@@ -312,7 +316,7 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
         repair = f"move it into {root}"
         closing = text.rfind("</", 0, at)
         early = text[:closing] + text[_find_tag_end(text, closing) :]
-        if closing >= 0 and choose_working_repairs(text, at, [("", early)]):
+        if closing >= 0 and _choose_working_repairs(text, at, [("", early)]):
             repair += ", or delete the end tag that closes it too early"
         if opened and tag[1] == opened[0][0]:
             repair = "delete one of the two if it is a copy; else make them one element: a file has one root"
@@ -358,7 +362,7 @@ def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> 
             (f"delete this `<{tag}>`", text[: again[0]] + text[again[1] :]),
             (f"that of line {line}", text[:first] + text[_find_tag_end(text, first) :]),
         ]
-        if len(choose_working_repairs(text, at, ways)) == len(ways):
+        if len(_choose_working_repairs(text, at, ways)) == len(ways):
             return XmlMistake(
                 f"<{tag}> of line {line} is opened a second time, and closed once",
                 *again,
@@ -406,3 +410,41 @@ def _describe_unclosed(text: str, at: int, opened: list[tuple[str, int]]) -> Xml
 
 def _shorten(name: str) -> str:
     return name if len(name) <= _MOST_SHOWN else f"{name[:_MOST_SHOWN]}…"
+
+
+class _DocumentTypeError(Exception):
+    """A document type begins, which is not read."""
+
+
+def _choose_working_repairs(text: str, at: int, ways: Sequence[tuple[str, str]]) -> list[str]:
+    """Return the words of the repairs with which a text parses; if there are none, of those with which more of it parses.
+
+    :param at: where the text as it is breaks.
+    :param ways: the words of each repair, and the text with it.
+    """
+    if len(text) > _LARGEST_TRIED:
+        return [words for words, _ in ways]
+    # What is behind the mistake is the same in all texts.
+    left = [(words, len(_split_where_it_breaks(edited)[1])) for words, edited in ways]
+    whole = [words for words, count in left if count == 0]
+    return whole or [words for words, count in left if count < len(text) - at]
+
+
+def _split_where_it_breaks(text: str) -> tuple[str, str]:
+    """Return what parses of a text and the rest, which is empty if all does. A rest that begins at the end is a line break."""
+    data = text.encode("utf-8", "surrogatepass")
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartDoctypeDeclHandler = _refuse_doctype
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError:
+        at = max(parser.ErrorByteIndex, 0)
+    except _DocumentTypeError:
+        at = parser.CurrentByteIndex
+    else:
+        return text, ""
+    return data[:at].decode("utf-8", "replace"), data[at:].decode("utf-8", "replace") or "\n"
+
+
+def _refuse_doctype(*_: Any) -> None:
+    raise _DocumentTypeError

@@ -38,7 +38,7 @@ def make_size_error(data: bytes, declared: int) -> MeshError:
     if not is_whole and _count_bits(data[HEADER + (len(data) - HEADER) // 2 :]) >= _RANDOM_BITS:
         return MeshError("random", f"{claims} but has {len(data):,} bytes, which look encrypted or compressed")
     if lost > 0:
-        return MeshError("wrong-size", f"{claims} but has {len(data):,} bytes, and its end is no triangles")
+        return MeshError("wrong-size", f"{claims} but has {len(data):,} bytes, of which the last are not triangles")
     more = f"{claims} but has {-lost:,} more bytes, room for {present:,} triangles"
     return MeshError("no-count" if declared == 0 and is_whole else "wrong-size", more)
 
@@ -54,7 +54,7 @@ def _find_gap(data: bytes, lost: int, plausible: NDArray[np.bool_]) -> int | Non
 
 
 def _find_plausible_facets(data: bytes, start: int) -> NDArray[np.bool_]:
-    """Say of each whole facet from a place whether its numbers are those of a facet."""
+    """Return for each whole facet from a place whether its numbers are those of a facet."""
     facets = np.frombuffer(data, FACET, count=(len(data) - start) // FACET.itemsize, offset=start)
     with np.errstate(all="ignore"):  # bytes beside their places are any numbers
         lengths = np.linalg.norm(facets["normal"].astype(float), axis=1)
