@@ -75,6 +75,13 @@ def test_only_a_long_text_is_truncated() -> None:
         ("left_weel", "left_wheel", "left_wheel"),
         ("left_weel", "leftwheel", "leftwheel"),
         ("lfet_wheel", "left_wheel", "left_wheel"),
+        ("caster_front_right_link", "caster_right_link", None),
+        ("caster_front_right_link", "caster_rear_right_link", None),
+        ("fornt_right_wheel", "front_right_wheel", "front_right_wheel"),
+        ("l_hip_pitch", "left_hip_picth", "left_hip_picth"),
+        ("jiont_1", "joint_2", None),
+        ("jiont_1", "joint_01", "joint_01"),
+        ("upper_arm_link", "arm_link", None),
     ],
 )
 def test_a_part_of_another_side_is_not_another_spelling(name: str, known: str, near: str | None) -> None:
@@ -119,9 +126,16 @@ def test_a_short_name_without_its_kind_is_another_spelling(name: str, near: str 
 
 
 def test_a_name_is_edited_only_if_no_name_of_either_side_is_near() -> None:
-    known = ["r_forearm_link", "forearm_link"]
-    assert find_nearest_name("l_forearm_link", known) == "forearm_link"
+    known = ["r_forearm_link", "left_forearm_link"]
+    assert find_nearest_name("l_forearm_link", known) == "left_forearm_link"
     assert find_only_near_name("l_forearm_link", known) is None
+
+
+def test_a_name_with_a_word_more_or_less_is_a_question_and_no_slip() -> None:
+    assert find_nearest_name("arm_wrist_mount_link", ["arm_wrist_link"]) == "arm_wrist_link"
+    assert find_only_near_name("arm_wrist_mount_link", ["arm_wrist_link"]) is None
+    assert find_only_near_name("arm_wirst_link", ["arm_wrist_link"]) == "arm_wrist_link"
+    assert find_only_near_name("arm_wrist", ["arm_wrist_link"]) == "arm_wrist_link"
 
 
 @pytest.mark.parametrize(

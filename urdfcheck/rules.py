@@ -254,15 +254,17 @@ def select_rules(names: Iterable[str]) -> set[str]:
         if not codes:
             import difflib
 
-            known = {
-                *load_rules(),
-                *(r.name for r in load_rules().values()),
-                *(t for r in load_rules().values() for t in r.tags),
-            }
+            known = sorted(
+                {
+                    *load_rules(),
+                    *(r.name for r in load_rules().values()),
+                    *(t for r in load_rules().values() for t in r.tags),
+                }
+            )
             near = difflib.get_close_matches(word, known, n=1, cutoff=0.5) or difflib.get_close_matches(
                 upper, known, n=1
             )
             hint = f"; did you mean {near[0]}?" if near else ""
-            raise UrdfcheckError(f"no rule, prefix, name or tag is called {word!r}{hint} (urdfcheck rule lists them)")
+            raise UrdfcheckError(f"{word!r} names no rule{hint} (urdfcheck rule lists codes, names and tags)")
         found |= codes
     return found

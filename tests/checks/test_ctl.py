@@ -96,6 +96,50 @@ def test_a_misspelt_joint_is_found_in_every_form(tmp_path: Path, yaml: str) -> N
     assert [(e.expected, e.replacement) for e in finding.fix.edits] == [("rigth_wheel", "right_wheel")]
 
 
+LISTED = "controller_list:\n- {name: c, type: FollowJointTrajectory, joints: [%s]}\n"
+
+
+@pytest.mark.parametrize(
+    ("yaml", "message", "severity", "readers"),
+    [
+        (LISTED % "left_wheel, right_wheel, v_joint", "extra", Severity.INFO, {"moveit"}),
+        (LISTED % "left_wheel, v_joint", "extra", Severity.INFO, {"moveit"}),
+        (LISTED % "left_wheel, right_wheel, tool", "extra", Severity.INFO, {"moveit"}),
+        (LISTED % "left_wheel, tool", "unknown", Severity.WARNING, {"moveit"}),
+        (LISTED % "left_wheel, rigth_wheel", "unknown", Severity.ERROR, {"moveit"}),
+        (
+            LISTED % "left_wheel, rigth_wheel" + "d: {type: a/B, joints: [left_wheel, right_wheel]}\n",
+            *("unknown", Severity.ERROR, {"moveit"}),
+        ),
+        (
+            LISTED % "left_wheel, rigth_wheel" + "d: {type: a/B, joints: [left_wheel, rigth_wheel]}\n",
+            *("unknown", Severity.ERROR, {"moveit", "ros_control", "gazebo"}),
+        ),
+        ("d: {type: a/B, joints: [left_wheel, tool]}\n", "unknown", Severity.ERROR, {"ros_control", "gazebo"}),
+        (group("left_wheel", "v_joint"), "unknown", Severity.ERROR, {"ros2_control", "gazebo"}),
+    ],
+)
+def test_the_effect_of_an_unknown_joint_is_that_of_what_reads_the_controller(
+    tmp_path: Path, yaml: str, message: str, severity: Severity, readers: set[str]
+) -> None:
+    srdf = (
+        '<robot name="cart"><virtual_joint name="v_joint" type="fixed" parent_frame="world" child_link="base"/></robot>'
+    )
+    (finding,) = find_in_cart(tmp_path, yaml, **{"config/cart.srdf": srdf})
+    assert (finding.message_id, finding.severity) == (message, severity)
+    assert set(finding.consequences) == readers
+    assert ("executes no motion of right_wheel" in finding.consequences.get("moveit", "")) == (
+        message == "unknown" and "moveit" in readers
+    )
+
+
+def test_moveit_moves_a_virtual_joint_that_is_not_fixed(tmp_path: Path) -> None:
+    srdf = (
+        '<robot name="cart"><virtual_joint name="v_joint" type="planar" parent_frame="odom" child_link="base"/></robot>'
+    )
+    assert not find_in_cart(tmp_path, LISTED % "left_wheel, right_wheel, v_joint", **{"config/cart.srdf": srdf})
+
+
 @pytest.mark.parametrize(
     "yaml",
     [

@@ -671,7 +671,7 @@ def test_sensors_of_a_file_that_is_included_twice_need_one_include_less(tmp_path
     include = '<xacro:include filename="s.xacro"/>'
     (finding,) = find(tmp_path, robot(ARM, include, include, xacro=True), "GZB004", name="r.urdf.xacro")
     assert finding.message.endswith(
-        "2 sensors named imu, because their file is included more than once; the second is dropped"
+        "2 sensors named imu, because their file is included more than once; in the new Gazebo the second is dropped"
     )
     assert finding.location.span is not None
     assert finding.location.span.line > 1
@@ -692,7 +692,7 @@ def test_sensors_of_a_file_that_is_included_twice_need_one_include_less(tmp_path
 )
 def test_sensors_of_one_name_are_counted(tmp_path: Path, body: str, repair: str) -> None:
     (finding,) = find(tmp_path, robot(ARM, body, xacro=True), "GZB004", name="r.urdf.xacro")
-    assert finding.message == "a has 3 sensors named imu; all but the first are dropped"
+    assert finding.message == "a has 3 sensors named imu; in the new Gazebo all but the first are dropped"
     assert finding.fix is not None
     assert finding.fix.title == repair
 
@@ -1062,3 +1062,11 @@ def test_classic_loads_two_sensors_of_one_name(tmp_path: Path, start: str, says:
     (finding,) = find(tmp_path, files, "GZB004", name="arm.urdf")
     assert says in finding.message
     assert ("Classic" in finding.consequences["gazebo"]) == (start != "gzserver")
+
+
+def test_a_plugin_of_classic_shows_that_sensors_of_one_name_are_loaded(tmp_path: Path) -> None:
+    plugin = '<plugin name="s" filename="libhector_gazebo_ros_sonar.so"/>'
+    sonar = f'<gazebo reference="a"><sensor name="range" type="ray">{plugin}</sensor></gazebo>'
+    (finding,) = find(tmp_path, robot(ARM, sonar * 3), "GZB004")
+    assert (finding.message_id, finding.severity) == ("shared", Severity.INFO)
+    assert finding.message == "a has 3 sensors named range; they share one topic"

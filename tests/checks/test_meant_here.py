@@ -49,6 +49,38 @@ def test_a_joint_is_held_for_a_plugin(tmp_path: Path, more: str, effort: int, se
     assert finding.severity is severity
 
 
+SENSOR = '<gazebo reference="motor"><sensor name="imu" type="imu"/></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("mass", "more", "severity"),
+    [
+        (0.0005, PLUGIN, Severity.INFO),
+        (0.0005, "", Severity.WARNING),
+        (0.005, PLUGIN, Severity.WARNING),
+        (0.005, SENSOR, Severity.INFO),
+    ],
+)
+def test_a_link_that_weighs_nothing_is_kept_from_being_merged(
+    tmp_path: Path, mass: float, more: str, severity: Severity
+) -> None:
+    held = joint("mount", "base", "motor", limit(0, 0, 0, 0), kind="revolute", axis="0 0 1")
+    (finding,) = find(tmp_path, robot(link("base"), link("motor", inertial(mass)), held, more), "JNT005")
+    assert finding.severity is severity
+    assert next(iter(finding.consequences.values())) == "locks the joint at 0"
+
+
+def test_joints_that_are_meant_and_others_are_two_findings(tmp_path: Path) -> None:
+    joints = [
+        joint(f"{name}_j", "base", name, limit(0, 0, 0, 0), kind="revolute", axis="0 0 1") for name in ("motor", "arm")
+    ]
+    text = robot(link("base"), link("motor"), link("arm"), *joints, SENSOR)
+    assert {f.data["joints"]: f.severity for f in find(tmp_path, text, "JNT005")} == {
+        "arm_j": Severity.WARNING,
+        "motor_j": Severity.INFO,
+    }
+
+
 @pytest.mark.parametrize(
     ("more", "message"), [("", "effort-odd"), (command("joint_1", "joint_2", "joint_3"), "effort-unused")]
 )

@@ -107,7 +107,7 @@ def stl(header: bytes) -> bytes:
         (b"\0" * 84, "no-facets"),
         (b"solid a\nendsolid a\n", "no-facets"),
         (b"# a note\n", "text"),
-        (b" " * 600 + b"\xe4", "truncated"),
+        (b" " * 600 + b"\xe4", "wrong-size"),
         (b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0", "truncated"),
         (stl(b"part") + b"\n", "wrong-size"),
     ],

@@ -1851,3 +1851,16 @@ def test_another_robot_that_includes_the_part_is_not_to_be_included_in_it(tmp_pa
     (finding,) = find(tmp_path, files, "XAC001", name="small.urdf.xacro")
     assert finding.fix is not None
     assert ("sizes.xacro" in finding.fix.title, "big.urdf.xacro" in finding.fix.title) == (True, False)
+
+
+def test_the_place_of_a_missing_parameter_is_the_call_and_not_a_block_in_it(tmp_path: Path) -> None:
+    text = (
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n'
+        '<xacro:macro name="mount" params="a *origin"><link name="${a}"/></xacro:macro>\n'
+        '<xacro:mount>\n<origin xyz="${1 + 1} 0 0"/>\n</xacro:mount></robot>'
+    )
+    (finding,) = check_text(tmp_path, text, "robot.urdf.xacro", codes={"XAC001"}).findings
+    assert finding.message_id == "parameters-missing"
+    assert finding.location.span is not None
+    assert finding.location.span.line == 3
+    assert not finding.location.via

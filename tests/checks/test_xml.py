@@ -1294,7 +1294,7 @@ def test_substitutions_that_only_gazebo_reads_are_a_note(
 @pytest.mark.parametrize(
     ("typed", "repair"),
     [
-        ("${size/2} 0 0", "write the value in its place: the file does not define size"),
+        ("${size/2} 0 0", "write the value in its place; the file does not define size"),
         ("${1/2} 0 0", "load what xacro makes of it"),
         ("${pi/2} ${sin(0.1)} 1e-3", "load what xacro makes of it"),
         ("$(arg size) 0 0", "load what xacro makes of it"),
@@ -1592,3 +1592,62 @@ def test_a_broken_launch_file_that_is_kept_aside_starts_nothing(
         (tmp_path / name).write_text(text)
     (finding,) = check(tmp_path / folder / "a.launch", codes={"XML001"}).findings
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(("own", "severity"), [("1 0 0", Severity.INFO), ("2 0 0", Severity.WARNING)])
+def test_an_origin_in_a_link_that_its_joint_has_too_loses_nothing(tmp_path: Path, own: str, severity: Severity) -> None:
+    text = (
+        '<robot name="r"><link name="base"/><link name="arm"><origin xyz="1.0 0 0" rpy="0 0 0"/></link>'
+        f'<joint name="j" type="fixed"><parent link="base"/><child link="arm"/><origin xyz="{own}"/></joint></robot>'
+    )
+    (finding,) = findings(tmp_path, text, "XML003")
+    assert (finding.message_id, finding.severity) == ("misplaced", severity)
+
+
+@pytest.mark.parametrize(
+    ("definition", "place", "repair"),
+    [
+        (
+            '<xacro:macro name="m">{}</xacro:macro>',
+            "in the macro m, which is not called here",
+            "write `<xacro:m/>` in place",
+        ),
+        (
+            '<xacro:macro name="m"><link name="x">{}</link></xacro:macro>',
+            "in the macro m",
+            "define it as a child of <robot>",
+        ),
+        (
+            '<xacro:if value="0">{}</xacro:if>',
+            "under a condition that is false here",
+            "define it as a child of <robot>",
+        ),
+    ],
+)
+def test_a_material_that_xacro_leaves_out_is_defined(tmp_path: Path, definition: str, place: str, repair: str) -> None:
+    text = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{}<link name="a">{}</link></robot>'
+    visual = '<visual><geometry><sphere radius="1"/></geometry><material name="steel"/></visual>'
+    written = text.format(definition.format('<material name="steel"><color rgba="1 1 1 1"/></material>'), visual)
+    (finding,) = findings(tmp_path, written, "XML011", name="robot.urdf.xacro")
+    assert f"which robot.urdf.xacro defines only {place}" in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+def test_a_copy_of_a_part_that_a_xacro_includes_from_elsewhere_is_a_note(tmp_path: Path) -> None:
+    part = '<robot name="cam"><link name="a"><visual><origin rpy="${-M_PI/2} 0 ${-M_PI/2}"/></visual></link></robot>'
+    include = '<xacro:include filename="$(find other)/urdf/cam.urdf"/>'
+    for name, text in (
+        ("package.xml", "<package><name>p</name></package>"),
+        ("cam.urdf", part),
+        ("bot.xacro", f'<robot name="b" xmlns:xacro="x"><xacro:property name="M_PI" value="3.14"/>{include}</robot>'),
+    ):
+        (tmp_path / name).write_text(text)
+    (finding,) = check(tmp_path / "cam.urdf", codes={"XML009"}).findings
+    assert (finding.message_id, finding.severity) == ("twin", Severity.INFO)
+    assert "2 substitutions of xacro" in finding.message
+    (tmp_path / "bot.xacro").unlink()
+    (finding,) = check(tmp_path / "cam.urdf", codes={"XML009"}).findings
+    assert (finding.message_id, finding.severity) == ("not_expanded", Severity.ERROR)
+    assert finding.fix is not None
+    assert "only in a file that defines that and includes this one" in finding.fix.title

@@ -71,7 +71,7 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
     ("words", "says"),
     [
         ([], "name at least one model"),
-        (["x.urdf", "--select", "INR999"], "no rule, prefix, name or tag is called 'INR999'"),
+        (["x.urdf", "--select", "INR999"], "'INR999' names no rule; did you mean INR0"),
         (["x.urdf", "--select", "triangle-inequalty"], "did you mean triangle-inequality?"),
         (["x.urdf", "--arg", "side=left"], "write NAME:=VALUE"),
         (["x.urdf", "--package", "p"], "write NAME=DIR"),
@@ -84,6 +84,9 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         (["x.urdf", "--statistics", "--format", "json"], "write -o json=FILE"),
         (["x.urdf", "--watch", "--fix"], "leave out --fix"),
         (["x.urdf", "-q", "-v"], "not allowed with"),
+        (["x.urdf", "--format", "sarf"], "did you mean sarif?"),
+        (["x.urdf", "--fail-on", "warnings"], "did you mean warning?"),
+        (["x.urdf", "--fial-on", "warning"], "did you mean --fail-on instead of --fial-on?"),
         (["lsp"], "did you mean urdfcheck server?"),
         (["rule", "XYZ000"], "no rule"),
     ],
@@ -94,6 +97,12 @@ def test_a_wrong_command_line_is_2_and_says_what_to_write(words: list[str], says
     assert done.returncode == cli.FAILED
     assert says in done.stderr
     assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("words", [["--format", "sarf"], ["--fail-on", "never ever"], ["--fial-on", "warning"]])
+@pytest.mark.usefixtures("one_process")
+def test_a_wrong_value_needs_no_usage(words: list[str], tmp_path: Path) -> None:
+    assert urdfcheck("x.urdf", *words, cwd=tmp_path).stderr.count("\n") == 1
 
 
 @pytest.mark.usefixtures("one_process")

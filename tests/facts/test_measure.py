@@ -859,6 +859,7 @@ def test_no_other_file_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
 # --- broken files ----------------------------------------------------------------------------------------------------
 
 GOOD_STL = binary_stl(BOX.vertices, BOX.faces)
+NOISE = np.random.default_rng(0).bytes(9_000)
 OUTSIDE = trimesh.Trimesh(TETRAHEDRON[0], [(0, 1, 9)], process=False, validate=False)
 DRACO = json.dumps({**json.loads(gltf(BOX)), "extensionsRequired": ["KHR_draco_mesh_compression"]}).encode()
 LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c943f9e0ff69d22eadbb8f32\nsize 12345\n"
@@ -876,6 +877,13 @@ LFS = b"version https://git-lfs.github.com/spec/v1\noid sha256:4d7a214614ab2935c
         pytest.param(b"A page that is longer than a header is.\n" * 9, "stl", "text", id="long text"),
         pytest.param(GOOD_STL[:-1], "stl", "truncated", id="one byte short"),
         pytest.param(GOOD_STL + b"\n", "stl", "wrong-size", id="one byte too many"),
+        pytest.param(GOOD_STL[:500] + GOOD_STL[501:], "stl", "line-ends", id="one byte missing inside"),
+        pytest.param(
+            GOOD_STL[:130] + b"\r\n" + GOOD_STL[135:], "stl", "shifted", id="three bytes missing inside, CR LF left"
+        ),
+        pytest.param(GOOD_STL[:84] + bytes(range(150, 250)), "stl", "wrong-size", id="short, of no triangles"),
+        pytest.param(b"\0" * 84 + GOOD_STL[84:], "stl", "no-count", id="no count"),
+        pytest.param(b"\0" * 84 + NOISE, "stl", "random", id="encrypted"),
         pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=3), "stl", "wrong-size", id="declares fewer"),
         pytest.param(binary_stl(BOX.vertices, BOX.faces, declared=2**32 - 1), "stl", "truncated", id="declares 4e9"),
         pytest.param(binary_stl(BOX.vertices, BOX.faces, b"solid", 3), "stl", "wrong-size", id="solid, declares fewer"),

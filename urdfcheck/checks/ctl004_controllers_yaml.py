@@ -54,6 +54,8 @@ _CONTAINER_FOLDERS = ("", "docker", ".docker", ".devcontainer")
 _OUTSIDE = "drops the control plugin outside that container: no controller manager starts"
 _OF_GAZEBO = re.compile(r"gazebo|gz_|ign_", re.IGNORECASE)
 _BARE = "; and no launch file here is seen to run xacro on this .urdf: without it the plugin gets `$(find …)` as it is typed"
+# What reads a controller of each form.
+_READERS = {"ros1": ("ros_control", "gazebo"), "ros2": ("ros2_control", "gazebo"), "moveit": ()}
 OTHER_DRIVES = frozenset({"mecanum_drive_controller/MecanumDriveController", "tricycle_controller/TricycleController"})
 
 
@@ -251,25 +253,76 @@ def _check_unknown_joints(
     # A joint that another controller of the file names is meant there, and two names do not mean one joint.
     unnamed = frozenset(model.joint_by_name) - config.configuration.joint_names
     nearest = Counter(find_nearest_name(name, unnamed) for name in [*uses][:MOST_HINTS])
-    unnamed -= {near for near, times in nearest.items() if near is not None and times > 1}
+    shared = {near for near, times in nearest.items() if near is not None and times > 1}
     for index, (name, places) in enumerate(uses.items()):
-        free = unnamed if index < MOST_HINTS else frozenset[str]()
+        is_for_moveit = all(controller.dialect == "moveit" for controller, _ in places)
+        lacking = _list_joints_without_controller(model, config) if is_for_moveit else []
+        # In one file, controllers of ROS may name what those of MoveIt lack.
+        free = (frozenset(lacking) if is_for_moveit else unnamed) - shared if index < MOST_HINTS else frozenset[str]()
         near, hint = find_only_near_name(name, free), format_name_hint(name, free)
         # If the robot names no file, one with a misspelt name of its joints is the robot's.
         is_left_over = is_unloaded and (named is not None or not hint)
-        yield rule.finding(
-            "left-over" if is_left_over else "unknown",
+        if is_for_moveit and not hint and (not lacking or _is_virtual(model, name)):
+            message, severity = "extra", Severity.INFO
+        elif is_left_over:
+            message, severity = "left-over", Severity.WARNING if named is None else Severity.INFO
+        else:
+            message, severity = "unknown", Severity.WARNING if lacking and not hint else Severity.ERROR
+        finding = rule.finding(
+            message,
             at=places[0][1],
-            severity=None if not is_left_over else Severity.WARNING if named is None else Severity.INFO,
+            severity=severity,
             related=[*(value for _, value in places[1:]), *_to_list(config.named_at)],
             edits=[edit for _, value in places for edit in value.build_edits(near)] if near is not None else (),
             controller=join_names(dict.fromkeys(controller.name for controller, _ in places)),
             joint=name,
             near=hint,
+            kind="only the SRDF's virtual joint" if _is_virtual(model, name) else "no joint of the robot",
+            rest="" if lacking else "; every joint that MoveIt moves has a controller without it",
             why="no launch file here names this file"
             if named is None
             else f"the robot names {named.name} as its controllers, and no launch file here names this file",
         )
+        if message == "unknown":
+            finding = replace(
+                finding, consequences=_predict_effects(finding, places, find_nearest_name(name, free), lacking)
+            )
+        yield finding
+
+
+def _predict_effects(
+    finding: Finding, places: Sequence[tuple[Controller, YamlValue]], near: str | None, lacking: Sequence[str]
+) -> dict[str, str]:
+    """Return what the programs do that read the controllers with an unknown joint.
+
+    MoveIt asks a controller for the joints of a trajectory that it has, so a name too much is harmless, and one too few is not.
+    """
+    dialects = {controller.dialect for controller, _ in places}
+    readers = {reader for dialect in dialects for reader in _READERS[dialect]}
+    effects = {reader: text for reader, text in finding.consequences.items() if reader in readers}
+    if "moveit" in dialects and (near is not None or lacking):
+        missed = near or join_names(lacking, 3)
+        effects["moveit"] = f"plans, but executes no motion of {missed}, which no controller of this file has"
+    return effects
+
+
+def _list_joints_without_controller(model: Model, config: AssociatedConfiguration) -> list[str]:
+    """List the joints that MoveIt plans for and that no controller of its kind in a file has: an unknown name may mean one."""
+    named = {j.text for c in config.configuration.controllers if c.dialect == "moveit" for j in c.joints}
+    return [
+        joint.name for joint in model.joints if joint.is_movable and joint.mimic is None and joint.name not in named
+    ]
+
+
+def _is_virtual(model: Model, name: str) -> bool:
+    """Whether an SRDF of the robot has a virtual joint of this name."""
+    return any(name in srdf.virtual_joints for srdf in semantic_descriptions(model))
+
+
+def _has_moving_virtual_joint(model: Model, name: str) -> bool:
+    """Whether an SRDF has a virtual joint of this name that moves: MoveIt plans for it like for a joint of the robot."""
+    joints = (joint for srdf in semantic_descriptions(model) for joint in srdf.root.find_children("virtual_joint"))
+    return any(joint.get("name").strip() == name and joint.get("type").strip() != "fixed" for joint in joints)
 
 
 def _is_left_over(model: Model, config: AssociatedConfiguration) -> bool:
@@ -295,7 +348,11 @@ def _collect_unknown_joints(
     uses: dict[str, list[tuple[Controller, YamlValue]]] = {}
     for controller in controllers:
         missing = [
-            j for j in controller.joints if j.text not in known and not elsewhere.can_package_have("joint", j.text)
+            j
+            for j in controller.joints
+            if j.text not in known
+            and not elsewhere.can_package_have("joint", j.text)
+            and not (controller.dialect == "moveit" and _has_moving_virtual_joint(model, j.text))
         ]
         # A controller without a joint of the robot may be for an optional tool.
         free = _list_unnamed_joints(model, controller)

@@ -10,6 +10,7 @@ from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_count
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import PRESERVE, names_fixed_part
 from urdfcheck.model.likeness.sibling_robots import package_names
+from urdfcheck.model.use.gazebo_starts import is_left_out_of_gazebo
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
@@ -23,6 +24,11 @@ _OF_JOINTS = frozenset({
     "stopCfm", "stopErp", "provideFeedback", "implicitSpringDamper", "springStiffness", "springReference", "fudgeFactor",
     "disableFixedJointLumping", "preserveFixedJoint", "physics",
 })  # fmt: skip
+# What Gazebo does without these settings.
+_DEFAULTS = {
+    "gravity": frozenset({"true", "1"}),
+    **dict.fromkeys(("turnGravityOff", "self_collide", "selfCollide", "provideFeedback"), frozenset({"false", "0"})),
+}
 # Words that name what a part is.
 _SUFFIXES = ("_link", "_joint")
 
@@ -69,17 +75,29 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             # A colour is nothing that a simulation misses, unless a slip in the name shows what it is for.
             is_colour = {child.tag for use in uses for child in use.owner.children} == {"material"}
             is_lost_colour = is_colour and near is None and not hint
+            is_idle = near is None and not hint and not is_colour and _changes_nothing(model, name, uses)
+            # What xacro wrote is not where a name is corrected.
+            is_note = is_lost_colour and model.source.is_output_of_xacro
             yield rule.finding(
-                # What xacro wrote is not where a name is corrected.
-                "colour" if is_lost_colour and model.source.is_output_of_xacro else "unknown",
+                "idle" if is_idle else "colour" if is_note else "unknown",
                 at=uses[0],
-                severity=Severity.INFO if is_colour and near is None else None,
+                severity=Severity.INFO if is_idle or (is_colour and near is None) else None,
                 related=[*uses[0].collect_definitions(), *uses[1:]],
                 edits=build_replacement_edits(uses, near) if near is not None else (),
                 reference=name,
                 near=f" (did you mean {near!r}?)" if near is not None else hint,
                 content=_join_child_tags(uses),
             )
+
+
+def _changes_nothing(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
+    """Whether all that blocks set is what Gazebo does without them, or a colour that no part of Gazebo's would show."""
+    settings = [child for use in uses for child in use.owner.children]
+    is_unseen = name == "world" or is_left_out_of_gazebo(model)
+    return all(
+        is_unseen if child.tag == "material" else child.text.strip().lower() in _DEFAULTS.get(child.tag, ())
+        for child in settings
+    )
 
 
 def _list_meant(model: Model, free: set[str], uses: Sequence[Attribute]) -> set[str]:

@@ -68,8 +68,8 @@ class _UnknownCollision:
     """The first few names of the shapes of the sensor's own link in SDF."""
 
 
-# The plugins of ROS for Gazebo Classic.
-_CLASSIC = re.compile(r"\bgazebo_ros_|\blibgazebo_ros_")
+# The plugins of ROS for Gazebo Classic: of gazebo_plugins, gazebo_ros_control, hector_gazebo_plugins and others named like them.
+_CLASSIC = re.compile(r"gazebo_ros\d?_")
 # Those that read `<frameName>` for ROS 1 and only `<frame_name>` for ROS 2.
 _RENAMED_FRAME = re.compile(r"(?:lib)?gazebo_ros_(?:imu_sensor|ray_sensor|camera|gps_sensor)(?:\.so)?")
 # Gazebo Classic does not compare the names of sensors.
@@ -312,8 +312,8 @@ def _check_duplicate_names(
             first, second = (sensor.element for sensor in alike[:2])
             include = _find_include(second, model) if first.span == second.span else None
             # What the successor cannot load is of a robot for Classic, whatever starts it.
-            is_classic = all(_has_plugin(sensor, _CLASSIC) for sensor in alike) or starts_classic(model)
-            is_classic = is_classic and not (is_for_new_gazebo(model) or names_successor(model))
+            is_new = is_for_new_gazebo(model) or names_successor(model)
+            is_classic = not is_new and (_uses_classic(model) or starts_classic(model))
             is_mixed = any(_has_plugin(sensor, _READS_TOPIC) for sensor in alike)
             dropped = "the second is dropped" if len(alike) == 2 else "all but the first are dropped"
             yield rule.finding(
@@ -328,13 +328,19 @@ def _check_duplicate_names(
                 count=len(alike),
                 merged=f" (from {join_names(links)}, which Gazebo merges)" if len(links) > 1 else "",
                 included="" if include is None else ", because their file is included more than once",
-                rest="they share one topic" if is_classic else dropped,
+                rest="they share one topic" if is_classic else dropped if is_new else f"in the new Gazebo {dropped}",
                 repair=_describe_renaming(alike, include),
             )
 
 
 def _has_plugin(sensor: GazeboSensor, library: re.Pattern[str]) -> bool:
     return any(library.search(plugin.get("filename")) for plugin in sensor.element.find_children("plugin"))
+
+
+def _uses_classic(model: Model) -> bool:
+    """Whether a plugin of the robot is one of ROS for Gazebo Classic."""
+    plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
+    return any(_CLASSIC.search(plugin.get("filename")) for plugin in plugins)
 
 
 def _find_include(element: Element, model: Model) -> Span | None:

@@ -5,16 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from collections.abc import Set as AbstractSet
 
-from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.fixed_joint_lumping import find_preserved_names
-from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
+from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still, list_sensors
 from urdfcheck.model.repairs.edits import swap_values
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
 
+# Kilograms.
+_GRAM = 1e-3
 # What a wheel is, unless it is not to turn.
 _CONTINUOUS = 'write type="continuous" if the wheel turns, or make the joint fixed'
 
@@ -46,6 +48,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
     named = collect_plugin_texts(model) if equal else frozenset()
     kept = find_preserved_names(model) if equal else {}
+    kept_links = named | {sensor.reference for sensor in list_sensors(model)}
     commanded = named | _collect_driven_names(model)
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():
@@ -54,24 +57,58 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         meant = [
             joint
             for joint in joints
-            if joint.child in named
+            if joint.child in kept_links
             or joint.name in kept
             or (is_held and joint.name not in commanded and _may_be_held(joint, is_empty=is_empty))
+            or (
+                value == 0
+                and (is_empty or joint.name not in commanded)
+                and bool(named)
+                and _carries_next_to_nothing(model, joint)
+            )
             or joint.name in collect_reasoned_joints(model)
         ]
-        yield build_group_finding(
-            rule,
-            "equal",
-            [joint.limit for joint in joints if joint.limit is not None],
-            severity=Severity.INFO if all(joint in meant for joint in joints) else Severity.WARNING,
-            joints=join_names(joint.name for joint in joints),
-            which=format_count(len(joints), "joint has", "joints have"),
-            value=value,
-            instead=_describe_instead(model, joints, value),
-            keep=_describe_keeping([joint for joint in joints if joint.name not in kept], named),
-            also=". Effort and velocity are 0 too" if is_empty else "",
-            explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
-        )
+        others = [joint for joint in joints if joint not in meant]
+        for group, severity in ((others, Severity.WARNING), (meant, Severity.INFO)):
+            if group:
+                keep = _describe_keeping([joint for joint in group if joint.name not in kept], named)
+                yield _build_finding(model, rule, group, value, severity=severity, keep=keep, is_empty=is_empty)
+
+
+def _build_finding(
+    model: Model, rule: Rule, joints: Sequence[Joint], value: float, *, severity: Severity, keep: str, is_empty: bool
+) -> Finding:
+    """Report joints with one number as both limits together."""
+    return build_group_finding(
+        rule,
+        "equal",
+        [joint.limit for joint in joints if joint.limit is not None],
+        severity=severity,
+        joints=join_names(joint.name for joint in joints),
+        which=format_count(len(joints), "joint has", "joints have"),
+        value=value,
+        instead=_describe_instead(model, joints, value),
+        keep=keep,
+        also=". Effort and velocity are 0 too" if is_empty else "",
+        explains=[f"JNT007 {joint.element.label}" for joint in joints] if is_empty else [],
+    )
+
+
+def _carries_next_to_nothing(model: Model, joint: Joint) -> bool:
+    """Whether all that hangs on a joint weighs a gram or less: it was made to keep a link, and not to move."""
+    waiting, mass = [joint.child], 0.0
+    try:
+        children = model.tree.child_joints
+    except FactUnavailableError:
+        return False
+    while waiting:
+        name = waiting.pop()
+        inertial = model.link_by_name[name].inertial if name in model.link_by_name else None
+        if inertial is None or inertial.mass is None:
+            return False
+        mass += inertial.mass
+        waiting += [below.child for below in children.get(name, ())]
+    return 0.0 < mass <= _GRAM
 
 
 def _may_be_held(joint: Joint, *, is_empty: bool) -> bool:

@@ -12,11 +12,19 @@ from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.use.test_files import is_of_tests
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 
-CAUSES = {"html": "web_page", "truncated": "incomplete", "wrong-size": "incomplete"}
+CAUSES = {
+    "html": "web_page",
+    "truncated": "incomplete",
+    "line-ends": "line_ends",
+    "random": "encrypted",
+    "no-count": "no_count",
+}
 REPAIRS = {
     "html": "download the raw file, not the page that shows it",
     "text": "name the mesh that is meant, or export the part as STL",
     "entities": "export the mesh again, or replace the entities by their text and delete the <!DOCTYPE",
+    "line-ends": "export the mesh again, and write `*.stl binary` and `*.STL binary` in .gitattributes",
+    "random": "decrypt or unpack the file, or export the mesh again where nothing encrypts it",
     "no-triangles": "export the part as a surface of triangles",
     "missing-buffer": "put the file there under the name that the glTF file uses, or export the mesh as one .glb file",
 }

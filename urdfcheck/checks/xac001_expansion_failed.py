@@ -513,7 +513,7 @@ def _is_after_failure(failure: _ExpansionFailure, element: Element) -> bool:
 
 def _explain_missing_parameters(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
     names = [n.strip() for n in match.group(1).split(",")]
-    call = _find_failing_element(failure)
+    call = _find_call(failure)
     return _build_report(
         failure,
         "parameters-missing",
@@ -524,11 +524,12 @@ def _explain_missing_parameters(failure: _ExpansionFailure, match: re.Match[str]
         listed=", ".join(names),
         have="has" if len(names) == 1 else "have",
         written=" ".join(f'{n}="…"' for n in names),
+        plural="" if len(names) == 1 else "s",
     )
 
 
 def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
-    name, call = match.group(1), _find_failing_element(failure)
+    name, call = match.group(1), _find_call(failure)
     typed = None if call is None else call.attributes.get(name)
     macro = collect_macros(failure.source.trees).get(failure.macro)
     parameters = () if macro is None else macro.parameters
@@ -946,6 +947,15 @@ def _find_failing_element(failure: _ExpansionFailure) -> Element | None:
     return around[-1] if around else None
 
 
+def _find_call(failure: _ExpansionFailure) -> Element | None:
+    """Return the call of the macro that failed: xacro evaluates the blocks in it first, and the place may be the last of them."""
+    innermost = element = _find_failing_element(failure)
+    name = failure.macro.removeprefix("xacro:")
+    while element is not None and element.tag.removeprefix("xacro:") not in {name, "call"}:
+        element = element.parent
+    return innermost if element is None else element
+
+
 def _find_macro_around(failure: _ExpansionFailure) -> str:
     """Return the name of the macro in whose definition the problem is, or nothing."""
     element = _find_failing_element(failure)
@@ -955,7 +965,9 @@ def _find_macro_around(failure: _ExpansionFailure) -> str:
 
 
 def _locate_in_call(failure: _ExpansionFailure, location: Location) -> Location:
-    return Location(location.subject, location.span, failure.problem.location.via)
+    via = failure.problem.location.via
+    # The call is not a step on the way to itself.
+    return Location(location.subject, location.span, tuple(step for step in via if step != location.span))
 
 
 def _locate_macro_definition(failure: _ExpansionFailure) -> tuple[Location, ...]:

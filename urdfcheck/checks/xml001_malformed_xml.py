@@ -24,6 +24,7 @@ _KINDS = (
 # urdfdom reads another name than programs that follow the declaration.
 _MISREAD = ("misdeclared", "undecoded")
 _REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
+_REPAIR_OF_OTHER = "replace this file by the one that is meant"
 _REPAIR_OF_EMPTY = "write its content, or delete the file"
 _REPAIR_OF_SCRIPT = (
     "name it `.launch.py` if `ros2 launch` starts it; no program reads it as a launch file under this name"
@@ -145,7 +146,8 @@ def _check_companion_file(
             repair = problem.data["repair"]
             yield rule.finding("srdf-forgiven", at=at, severity=Severity.WARNING, error=problem.message, repair=repair)
         else:
-            repair = problem.data.get("repair", _REPAIR_OF_COMPANION)
+            is_other = cause in {"git_lfs", "web_page"}
+            repair = _REPAIR_OF_OTHER if is_other else problem.data.get("repair", _REPAIR_OF_COMPANION)
             yield rule.finding(message, at=at, cause=cause, error=problem.message, repair=repair)
 
 

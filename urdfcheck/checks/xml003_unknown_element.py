@@ -346,7 +346,10 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         if repair is None:
             return None
         message = "pose" if parent == "robot" and child.tag == "origin" else "misplaced"
-        return message, Severity.WARNING, {"homes": _list_choices(homes), "repair": repair}
+        # What is in its right place too is not lost.
+        is_repeated = parent == "link" and all(_repeats_joint(place, model) for place in places)
+        severity = Severity.INFO if is_repeated else Severity.WARNING
+        return message, severity, {"homes": _list_choices(homes), "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         return "shape", Severity.ERROR, {"repair": _describe_shape_repair(places)}
     if parent == "robot":

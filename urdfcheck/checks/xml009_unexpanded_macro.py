@@ -15,6 +15,7 @@ from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, SUBSTITUTION, is_unexpanded, iter_urdf_elements
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.uses_elsewhere import find_includer_of_namesake
 
 # The reactions of Drake, Bullet and yourdfpy to the file, by whether a number is missing in it.
 CONSEQUENCES = {
@@ -83,7 +84,9 @@ def _build_plain_finding(
     replaced = find_replaced_texts(source.path, source.finder)
     remaining = [place for place in left if not _is_replaced(place[1], replaced)]
     tags = sum(text.startswith("<") for _, text, _ in remaining or left)
-    counts = ((tags, "xacro element"), (len(remaining or left) - tags, "substitution"))
+    # One attribute may hold several.
+    substitutions = sum(_count_substitutions(text) for _, text, _ in remaining or left)
+    counts = ((tags, "xacro element"), (substitutions, "substitution"))
     held = " and ".join(format_count(count, what) for count, what in counts if count)
     contents = held + (" of xacro" if counts[1][0] else "")
     where, text, _ = (remaining or left)[0]
@@ -114,6 +117,20 @@ def _build_plain_finding(
             held=held,
             contents=contents,
             repair=_describe_repair(source, texts),
+        )
+    undefined = _find_undefined_name(texts)
+    twin = None if undefined is None or is_handed else find_includer_of_namesake(source, undefined)
+    if twin is not None:
+        return rule.finding(
+            "twin",
+            at=where,
+            severity=Severity.INFO,
+            consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
+            text=_shorten_expression(text),
+            held=held,
+            contents=contents,
+            name=undefined,
+            includer=twin.name,
         )
     if remaining and (names := _list_handed_arguments(texts)):
         return rule.finding(
@@ -151,6 +168,10 @@ def _build_plain_finding(
     )
 
 
+def _count_substitutions(text: str) -> int:
+    return 0 if text.startswith("<") else max(1, len(SUBSTITUTION.findall(text)))
+
+
 def _list_handed_arguments(texts: Sequence[str]) -> list[str]:
     """List the arguments that a file reads where it holds nothing else of xacro, so that only a file that includes it can give
     them. Empty elsewhere."""
@@ -183,7 +204,10 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
         )
     unknown = _find_undefined_name(texts)
     if unknown is not None:
-        return f"write the value in its place: the file does not define {unknown}, so xacro would stop at it too"
+        return (
+            f"write the value in its place; the file does not define {unknown}, so xacro expands it only in a file that defines "
+            "that and includes this one"
+        )
     root = source.main_tree
     has_tags = any(text.startswith("<") for text in texts)
     declaring = _DECLARING if has_tags and root is not None and "xmlns:xacro" not in root.attributes else ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterator
 from dataclasses import replace
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -15,6 +16,8 @@ from urdfcheck.source.resources import ResourceUse, find_missing_path, list_reso
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import is_named_nowhere
 
+# What makes something of what it holds, or nothing.
+_TEMPLATES = frozenset({"xacro:macro", "xacro:if", "xacro:unless"})
 # The colours of plain names; those of others are not known.
 _COLOURS = {
     "black": "0 0 0 1",
@@ -54,14 +57,16 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
         if name not in everywhere and (model.source.is_part or _hangs_on_another_robot(model)):
             continue  # the file that includes this one may define it, and is checked as well
         names = [material.attributes["name"] for material in materials]
+        unused = None if name in everywhere else _find_unused_definition(model, name)
         finding = build_group_finding(
             rule,
             "later" if name in everywhere else "undefined",
             names,
             material=name,
             shapes=format_count(len(names), "shape refers", "shapes refer"),
-            near=format_name_hint(name, everywhere),
-            repair="" if name in everywhere else _describe_repair(model, name, everywhere),
+            where="no file of this model defines" if unused is None else _describe_place(unused),
+            near="" if unused is not None else format_name_hint(name, everywhere),
+            repair="" if name in everywhere else _describe_repair(model, name, everywhere, unused),
         )
         # What no program loads looks like nothing.
         yield replace(finding, severity=Severity.INFO) if _is_left_aside(model) else finding
@@ -79,7 +84,35 @@ def _hangs_on_another_robot(model: Model) -> bool:
     return model.source.is_xacro and links <= children and any(joint.parent not in links for joint in model.joints)
 
 
-def _describe_repair(model: Model, name: str, known: Collection[str]) -> str:
+def _find_unused_definition(model: Model, name: str) -> Element | None:
+    """Return the element of xacro around a definition that the files of the model have and the expanded robot has not."""
+    materials = (e for tree in model.source.trees.values() for e in tree.walk() if e.tag == "material")
+    defining = (e for e in materials if e.get("name") == name and _has_appearance(e))
+    around = (_find_template(material) for material in defining)
+    return next((element for element in around if element is not None), None)
+
+
+def _find_template(element: Element) -> Element | None:
+    """Return the macro or the condition around an element."""
+    while element.parent is not None:
+        element = element.parent
+        if element.tag in _TEMPLATES:
+            return element
+    return None
+
+
+def _describe_place(template: Element) -> str:
+    file = "" if template.span is None else f"{Path(template.span.file).name} "
+    if template.tag == "xacro:macro":
+        return f"{file}defines only in the macro {template.get('name')}, which is not called here"
+    return f"{file}defines only under a condition that is false here"
+
+
+def _describe_repair(model: Model, name: str, known: Collection[str], unused: Element | None) -> str:
+    if unused is not None and unused.tag == "xacro:macro" and {child.tag for child in unused.children} == {"material"}:
+        needed = [word for word in unused.get("params").split() if "=" not in word]
+        call = f"<xacro:{unused.get('name').removeprefix('xacro:')}{' …' if needed else ''}/>"
+        return f"write `{call}` {'in place of this <material>' if len(unused.children) == 1 else 'at the start of <robot>'}"
     define = f"define it as a child of <robot>: {_propose_definition(model, name)}"
     near = find_nearest_name(name, known)
     # A second spelling of a colour that the robot has would be a second material.

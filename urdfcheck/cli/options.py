@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -34,6 +35,11 @@ exit codes: 0 nothing at or above --fail-on, 1 findings or a model that could no
 urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 
 
+# What argparse says of a value that is not possible; later versions of Python leave out the quotes of the possible ones.
+_CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)")
+_QUOTED = re.compile(r"[\w-]+")
+
+
 class CommandParser(argparse.ArgumentParser):
     """Escapes its error messages, because a word of the command line may be an untrusted file name."""
 
@@ -49,12 +55,19 @@ class CommandParser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
         from urdfcheck.output.shared.escaping import escape_for_log
 
-        super().error(escape_for_log(message + self._suggest(message)))
+        hint = self._suggest(message)
+        if hint or _CHOICE.search(message):  # the message says it all: the usage would push it out of sight
+            self.exit(2, escape_for_log(f"{self.prog}: error: {message}{hint}") + "\n")
+        super().error(escape_for_log(message))
 
     def _suggest(self, message: str) -> str:
-        """Return the options that resemble those that are unknown."""
+        """Return the options that resemble those that are unknown, or the value that resembles one that is not possible."""
         import difflib
 
+        choice = _CHOICE.search(message)
+        if choice is not None:
+            near = difflib.get_close_matches(choice[1].lower(), _QUOTED.findall(choice[2]), n=1)
+            return f"; did you mean {near[0]}?" if near else ""
         _, is_unknown, words = message.partition("unrecognized arguments: ")
         found = []
         for word in words.split() if is_unknown else ():

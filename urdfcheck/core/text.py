@@ -23,6 +23,13 @@ _MOST_ALIKE = 5
 # Few slips change the first letter: `laser` is not `base` (0.67).
 _SAME_WORD, _SAME_BUT_FIRST_LETTER = 0.65, 0.8
 _KINDS = frozenset({"joint", "link"})
+# Words that say which of several parts of one kind is meant.
+_PLACES = frozenset({
+    *("left", "right", "front", "rear", "back", "middle", "mid", "center", "centre", "top", "bottom", "upper", "lower"),
+    *("inner", "outer", "inside", "outside", "proximal", "distal", "medial", "lateral", "x", "y", "z"),
+    *("fl", "fr", "rl", "rr", "bl", "br", "lf", "rf", "lh", "rh", "hl", "hr", "lr", "lb", "rb"),
+})  # fmt: skip
+_SAME_PLACE = {"l": "left", "r": "right", "back": "rear", "mid": "middle", "centre": "center"}
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|\d+|[^\W\d_A-Za-z]+")
 
 
@@ -31,9 +38,10 @@ def find_nearest_name(name: str, known: Iterable[str], likeness: float = 0.75) -
 
     A name that differs only in its digits is another part of the same kind, not another spelling; one with other sides is a
     part elsewhere: ``r_gripper_palm`` is not ``r_gripper_l_finger``. Nor is a name with another word a spelling:
-    ``front_left_calf`` is not ``front_left_foot``, however many letters they share. A name that lacks a word of several others
-    names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``. However short, ``left_hip`` is
-    ``left_hip_joint``.
+    ``front_left_calf`` is not ``front_left_foot``, however many letters they share. Nor is one at another place, or at a place
+    that the other does not name: ``front_right_caster`` is neither ``rear_right_caster`` nor ``right_caster``. A name that lacks
+    a word of several others names none of them: ``right_wheel`` beside ``front_right_wheel`` and ``rear_right_wheel``. However
+    short, ``left_hip`` is ``left_hip_joint``.
     """
     known, sides = list(known), _find_sides(name)
     same = [other for other in known if other != name and _is_same_but_kind(name, other)]
@@ -62,11 +70,15 @@ def _list_similar_names(name: str, known: Iterable[str], likeness: float) -> lis
 
 
 def _has_other_word(name: str, other: str) -> bool:
-    """Whether each of two names has words that the other one lacks, and these are not spellings of each other."""
+    """Whether a name has words that the other one lacks, and these are places, or not spellings of what only the other has."""
     import difflib
 
     ours, theirs = _count_words(name), _count_words(other)
-    only_ours, only_theirs = ("".join((one - two).elements()) for one, two in ((ours, theirs), (theirs, ours)))
+    words, other_words = list((ours - theirs).elements()), list((theirs - ours).elements())
+    places, other_places = _count_places(words), _count_places(other_words)
+    if places - other_places and (not other_words or other_places - places):
+        return True
+    only_ours, only_theirs = "".join(words), "".join(other_words)
     if not only_ours or not only_theirs:
         return False
     least = _SAME_WORD if only_ours[0] == only_theirs[0] else _SAME_BUT_FIRST_LETTER
@@ -74,7 +86,14 @@ def _has_other_word(name: str, other: str) -> bool:
 
 
 def _count_words(name: str) -> Counter[str]:
-    return Counter(map(str.lower, split_name_words(name)))
+    """Count the words of a name, those that are places in one spelling: ``l`` is ``left``."""
+    words = map(str.lower, split_name_words(name))
+    return Counter(_SAME_PLACE.get(word, word) for word in words)
+
+
+def _count_places(words: Iterable[str]) -> Counter[str]:
+    """Count the words that are places: a number too says which of several parts is meant."""
+    return Counter(word.lstrip("0") if word.isdigit() else word for word in words if word in _PLACES or word.isdigit())
 
 
 def _find_sides(name: str) -> set[str]:
@@ -83,9 +102,16 @@ def _find_sides(name: str) -> set[str]:
 
 
 def find_only_near_name(name: str, known: Iterable[str], likeness: float = 0.75) -> str | None:
-    """Return the known name that is spelled like ``name`` if it is the only one: an edit may write it."""
+    """Return the known name that is spelled like ``name`` if it is the only one: an edit may write it.
+
+    One that has a word more or less was not mistyped: ``arm_wrist_link`` is a link that was renamed, or another one.
+    """
     near = find_nearest_name(name, known, likeness)
-    return None if near is None or _list_similar_names(name, set(known) - {near}, likeness) else near
+    if near is None or _list_similar_names(name, set(known) - {near}, likeness):
+        return None
+    ours, theirs = _count_words(name), _count_words(near)
+    is_slip = bool(ours - theirs) == bool(theirs - ours) or _is_same_but_kind(name, near)
+    return near if is_slip else None
 
 
 def format_name_hint(name: str, known: Iterable[str]) -> str:

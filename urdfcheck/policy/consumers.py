@@ -15,6 +15,7 @@ OTHERS = (
         "bloom",
         "catkin",
         "colcon",
+        "ros_control",
         "ros2_control",
         "ros2_launch",
         "ros_gz_bridge",

@@ -239,7 +239,8 @@ def report_bad_comments(comments: Iterable[tuple[str, CommentUsage]]) -> Iterato
         if not comment.selectors:
             message = "malformed"
         elif first.complaint:
-            message, data = "unknown", {"complaint": first.complaint}
+            # What lists the rules is in the repair.
+            message, data = "unknown", {"complaint": first.complaint.partition(" (")[0]}
         elif not comment.reason:
             yield replace(rules["URC903"].finding("no-reason", at=at, codes=named), model=model)
             continue

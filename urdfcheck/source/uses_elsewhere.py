@@ -171,6 +171,15 @@ def read_includers(source: Source) -> dict[str, str]:
     return found
 
 
+def find_includer_of_namesake(source: Source, name: str) -> Path | None:
+    """Find a xacro of the project that includes a file of the model's name from another folder and defines a property or an
+    argument: the model is a copy of that file, a part that needs what the xacro defines."""
+    include = re.compile(rf"""<xacro:include\b[^>]*filename=["'][^"'>]*/{re.escape(source.path.name)}["']""")
+    defined = re.compile(rf"""<xacro:(?:property|arg)\b[^>]*name=["']{re.escape(name)}["']""")
+    files = _iter_project_files(source, (".xacro", ".urdf"))
+    return next((path for path, text in files if include.search(text) and defined.search(text)), None)
+
+
 def find_conditional_include(source: Source) -> tuple[Path, str] | None:
     """Find a file of the model's package that includes the model's own file under a condition, which is returned as typed.
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
-from urdfcheck.facts.mesh.formats.binary_stl import FACET, HEADER, BinaryStl, count_facets, read_binary_stl
+from urdfcheck.facts.mesh.formats.binary_stl import HEADER, BinaryStl, count_facets, read_binary_stl
 from urdfcheck.facts.mesh.formats.gltf import read_glb_parts, read_gltf_parts
 from urdfcheck.facts.mesh.formats.number_text import TokenizedText
 from urdfcheck.facts.mesh.formats.ply import read_ply
@@ -27,6 +27,7 @@ from urdfcheck.facts.mesh.formats.polygons import (
     parse_rows,
     triangulate_text_fans,
 )
+from urdfcheck.facts.mesh.formats.stl_damage import make_size_error
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -136,8 +137,7 @@ def _begins_with_solid(data: bytes) -> bool:
 
 
 def _decode_stl(data: bytes) -> RawMesh:
-    declared = int.from_bytes(data[80:84], "little") if len(data) >= HEADER else 0
-    expected = HEADER + declared * FACET.itemsize
+    declared = int.from_bytes(data[80:HEADER], "little") if len(data) >= HEADER else 0
     solid = _begins_with_solid(data)
     if count_facets(data, len(data)) is not None:
         ensure_size_limits(declared)
@@ -153,18 +153,7 @@ def _decode_stl(data: bytes) -> RawMesh:
         raise MeshError("text", f"is text, but no STL file: it begins with {begin!r}")
     if len(data) < HEADER:
         raise MeshError("truncated", f"is truncated: {len(data)} bytes, while a binary STL's header alone has 84")
-    present = (len(data) - HEADER) // FACET.itemsize
-    if len(data) < expected:
-        raise MeshError(
-            "truncated",
-            f"is truncated: it declares {declared:,} triangles ({expected:,} bytes) but has {present:,} "
-            f"({len(data):,} bytes)",
-        )
-    raise MeshError(
-        "wrong-size",
-        f"declares {declared:,} triangles ({expected:,} bytes) but has {len(data) - expected:,} more bytes, "
-        f"room for {present:,} triangles",
-    )
+    raise make_size_error(data, declared)
 
 
 def _decode_ascii_stl(data: bytes) -> RawMesh:

@@ -18,8 +18,9 @@ class MeshError(Exception):
     """A mesh file that gives no triangles. The message completes the sentence "the mesh …".
 
     ``reason_id``: empty | lfs-pointer | html | text | unsupported | truncated | wrong-size | external-buffer | missing-buffer |
-    malformed | incomplete | entities | encoding | archive | no-triangles | too-large | refused; no-facets: a whole STL file
-    of none. ``assimp``: what Assimp does with the file, ``loads`` or ``refuses``; empty if it was not asked.
+    shifted | line-ends | random | no-count | malformed | incomplete | entities | encoding | archive | no-triangles | too-large |
+    refused; no-facets: a whole STL file of none.
+    ``assimp``: what Assimp does with the file, ``loads`` or ``refuses``; empty if it was not asked.
     """
 
     def __init__(self, reason_id: str, message: str, assimp: str = "") -> None:

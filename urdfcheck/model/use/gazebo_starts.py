@@ -17,7 +17,9 @@ from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_e
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
 _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_control)")
 # How launch files and scripts start Classic and spawn a robot there.
-_CLASSIC_START = re.compile(r"\b(?:gzserver|gzclient|spawn_entity\.py)\b|\bgazebo_ros\b[^\n]{0,80}\bgazebo\.launch")
+_CLASSIC_START = re.compile(
+    r"\b(?:gzserver|gzclient|spawn_entity\.py)\b|\bgazebo_ros\b[^\n]{0,80}(?:\b(?:gazebo|\w+_world)\.launch|\bspawn_model\b)"
+)
 # The engines of the new Gazebo that have mimic constraints, as launch files (--physics-engine) and worlds (<engine>) name them.
 _MIMIC_ENGINE = re.compile(r"gz-physics-(?:bullet-featherstone|mujoco)")
 # The option of Gazebo's spawners that puts a joint at a position.

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
+from typing import Any
+from xml.parsers import expat
 from xml.parsers.expat import ErrorString, errors
 
 from urdfcheck.core.records import dataclass
@@ -19,6 +22,8 @@ _ENTITY = re.compile(r"&([^\s;<>&\"'#][^\s;<>&\"']*);")
 _OPEN_ENTITY = re.compile(r"&[#\w.:-]{0,40}\Z")
 _ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
 _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
+# A larger file than any robot's is not parsed again to try a repair.
+_LARGEST_TRIED = 5_000_000
 # How much of a name is shown.
 _MOST_SHOWN = 60
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -54,6 +59,7 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
         return XmlMistake("the file is empty", at, at, "write its content, or delete the file and what includes it")
     describe = {
         errors.XML_ERROR_INVALID_TOKEN: _describe_token,
+        errors.XML_ERROR_SYNTAX: _describe_text_before_root,
         errors.XML_ERROR_TAG_MISMATCH: _describe_end_tag,
         errors.XML_ERROR_UNDEFINED_ENTITY: _describe_entity,
         errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT: _describe_junk,
@@ -93,17 +99,26 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     if before.endswith("]]") and here == ">":
         return XmlMistake("text may not contain `]]>`", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
-        if "<" not in text[at:]:
-            return XmlMistake(
-                "there is no XML element", max(at - 1, 0), max(at, 1), "write XML, or give the file another name"
-            )
-        return XmlMistake(
-            "there is text before the root element",
-            max(at - 1, 0),
-            max(at, 1),
-            "delete everything before the first `<`",
-        )
+        return _describe_text_before_root(text, at, opened)
     return _describe_tag(text, at)
+
+
+def _describe_text_before_root(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
+    """Return what is wrong with text that precedes the first element, or with a file of text."""
+    if "<" in text[:at]:
+        return None
+    begin, start, end = text.find("<", at), max(at - 1, 0), max(at, 1)
+    if begin < 0:
+        return XmlMistake("there is no XML element", start, end, "write XML, or give the file another name")
+    words = text[:begin].lstrip("\ufeff").split()
+    shown = f" (`{_shorten(words[0])}`)" if words and words[0].isprintable() else ""
+    message = f"there is text before the root element{shown}"
+    repair = "delete everything before the first `<`"
+    read, rest = _split_where_it_breaks(text[begin:])
+    if "<" in rest and read.rstrip().endswith(">") and not rest.lstrip().startswith("<"):
+        message += ", and more text and elements follow its end: the file is a note and not XML"
+        repair = "keep one element and delete what is before and after it, or delete the file"
+    return XmlMistake(message, start, end, repair)
 
 
 def _describe_whole_comment(text: str, at: int) -> str:
@@ -192,13 +207,16 @@ def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistak
             name, mark, value = _shorten(swallowed[1]), swallowed[2], _shorten(swallowed[3])
             message = f"the value of the attribute {name} lacks its closing quote"
             start = at - len(inside) + swallowed.start(2)
-            return XmlMistake(message, start, at, f"write `{name}={mark}{value}{mark}`")
+            close = at - len(inside) + swallowed.end(3)
+            ways = [(f"write `{name}={mark}{value}{mark}`", f"{text[:close]}{mark}{text[close:]}")]
+            return XmlMistake(message, start, at, _join_ways(text, at, ways))
         behind = _NAME.match(text, at)
         if behind is not None and not re.match(r"\s*=", text[behind.end() : behind.end() + _MOST_SHOWN]):
             message = f"an attribute value is followed by `{_shorten(behind[0])}`"
             repair = "delete that, or write `&quot;` for a quote that is part of the value"
             return XmlMistake(message, at, behind.end(), repair)
-        return XmlMistake("there is no blank between two attributes", at, at + 1, "write a blank after the quotes")
+        ways = [("write a blank after the quotes", f"{text[:at]} {text[at:]}")]
+        return XmlMistake("there is no blank between two attributes", at, at + 1, _join_ways(text, at, ways))
     named = re.search(r"\s([^\s<>/=\"'&]+)\s*\Z", inside)
     if named is not None:
         name = _shorten(named[1])
@@ -207,6 +225,25 @@ def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistak
             f"the attribute {name} has no value", start, start + len(named[1]), f'write `{name}="…"`, or delete it'
         )
     return None
+
+
+def _join_ways(text: str, at: int, ways: list[tuple[str, str]]) -> str:
+    """Join the repairs with which the text, or more of it, parses; if none does, say what to look for."""
+    return ", or ".join(_choose_working_repairs(text, at, ways)) or _GENERAL_REPAIR
+
+
+def _find_tag_end(text: str, at: int) -> int:
+    """Return the offset behind the next ``>``."""
+    end = text.find(">", at)
+    return len(text) if end < 0 else end + 1
+
+
+def _find_line(text: str, line: int) -> int:
+    """Return the offset at which a line begins."""
+    at = 0
+    for _ in range(line - 1):
+        at = text.index("\n", at) + 1
+    return at
 
 
 def _find_open_quote(inside: str) -> int | None:
@@ -230,12 +267,21 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
     inner = _shorten(inner)
     empty = _find_empty_element(text, name[0], start) if around is None else None
     if empty is not None:
-        message = f"</{typed}> has no open element to close: <{typed}> in line {empty} ends with `/>`"
-        repair = f"delete the `/` at the end of the tag in line {empty}, or delete `</{typed}>`"
-        return XmlMistake(message, start, end, repair)
+        line = text.count("\n", 0, text.rfind(f"<{name[0]}", 0, empty)) + 1
+        message = f"</{typed}> has no open element to close: <{typed}> in line {line} ends with `/>`"
+        ways = [
+            (f"delete the `/` at the end of the tag in line {line}", text[: empty - 2] + text[empty - 1 :]),
+            (f"delete `</{typed}>`", text[:start] + text[_find_tag_end(text, end) :]),
+        ]
+        return XmlMistake(message, start, end, _join_ways(text, at, ways))
     if around is None:
         message = f"</{typed}> has no open element to close; <{inner}>, opened in line {line}, is not closed"
-        return XmlMistake(message, start, end, f"write `</{inner}>` in its place, or delete it")
+        rest = text[_find_tag_end(text, end) :]
+        ways = [
+            (f"write `</{inner}>` in its place", f"{text[:start]}</{opened[-1][0]}>{rest}"),
+            ("delete it", text[:start] + rest),
+        ]
+        return XmlMistake(message, start, end, _join_ways(text, at, ways))
     message = f"</{typed}> closes <{typed}> of line {around}, but <{inner}>, opened in line {line}, is not closed"
     repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag"
     if len(opened) > 1 and opened[-2][0] == opened[-1][0]:
@@ -244,12 +290,12 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
 
 
 def _find_empty_element(text: str, name: str, end: int) -> int | None:
-    """Return the line of the last element of a name before an offset if it has no content, else None."""
+    """Return where the last element of a name before an offset ends if it has no content, else None."""
     at = text.rfind(f"<{name}", 0, end)
     if at < 0 or text.rfind("<!--", 0, at) > text.rfind("-->", 0, at):
         return None
     tag = re.compile(rf"<{re.escape(name)}(?:\s[^<>]*)?/>").match(text, at, end)
-    return None if tag is None else text.count("\n", 0, at) + 1
+    return None if tag is None else tag.end()
 
 
 def _describe_entity(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
@@ -267,7 +313,11 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
     tag = re.compile(r"<([^\s<>/=\"'&!?]+)").match(text, at)
     if tag is not None:
         message = f"a second root element, <{_shorten(tag[1])}>, begins after the end of {root}"
-        repair = f"move it into {root}, or delete the end tag that closes it too early"
+        repair = f"move it into {root}"
+        closing = text.rfind("</", 0, at)
+        early = text[:closing] + text[_find_tag_end(text, closing) :]
+        if closing >= 0 and _choose_working_repairs(text, at, [("", early)]):
+            repair += ", or delete the end tag that closes it too early"
         if opened and tag[1] == opened[0][0]:
             repair = "delete one of the two if it is a copy; else make them one element: a file has one root"
         return XmlMistake(message, *tag.span(), repair=repair)
@@ -307,11 +357,17 @@ def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> 
     repair = f"write `</{tag}>` where the element ends; if the rest of the file is missing, restore it"
     again = _find_second_root(text[:at], opened[0][0]) if len(opened) == 1 else None
     if again is not None:
-        return XmlMistake(
-            f"<{tag}> of line {line} is opened a second time, and closed once",
-            *again,
-            repair=f"delete this `<{tag}>`, or that of line {line}: one element holds everything",
-        )
+        first = text.index(f"<{opened[-1][0]}", _find_line(text, line))
+        ways = [
+            (f"delete this `<{tag}>`", text[: again[0]] + text[again[1] :]),
+            (f"that of line {line}", text[:first] + text[_find_tag_end(text, first) :]),
+        ]
+        if len(_choose_working_repairs(text, at, ways)) == len(ways):
+            return XmlMistake(
+                f"<{tag}> of line {line} is opened a second time, and closed once",
+                *again,
+                repair=f"{', or '.join(words for words, _ in ways)}: one element holds everything",
+            )
     return XmlMistake(message, at, min(at + 1, len(text)), repair=repair)
 
 
@@ -339,8 +395,12 @@ def _describe_unclosed(text: str, at: int, opened: list[tuple[str, int]]) -> Xml
             if half is not None and re.search(rf"</{re.escape(half[1])}\s*>", text[half.end() :]):
                 tag = _shorten(half[1])
                 message = f"only the start tag of <{tag}> was made a comment, which has no end; </{tag}> follows"
-                other = f"write `-->` behind `</{tag}>`" if opened else "delete the file"
-                repair = f"write `<{tag}` in place of `<!--{tag}`, or {other}"
+                close = re.compile(rf"</{re.escape(half[1])}\s*>").search(text, half.end())
+                assert close is not None  # it was searched for
+                ways = [(f"write `<{tag}` in place of `<!--{tag}`", f"{text[:at]}<{text[at + 4 :]}")]
+                if opened:
+                    ways.append((f"write `-->` behind `</{tag}>`", f"{text[: close.end()]}-->{text[close.end() :]}"))
+                repair = _join_ways(text, at, ways) + ("" if opened else ", or delete the file")
                 return XmlMistake(message, *half.span(), repair=repair)
             message = f"the {what} that begins here has no end: no `{end}` follows"
             repair = f"write `{end}` where it ends; if the rest of the file is missing, restore it"
@@ -350,3 +410,41 @@ def _describe_unclosed(text: str, at: int, opened: list[tuple[str, int]]) -> Xml
 
 def _shorten(name: str) -> str:
     return name if len(name) <= _MOST_SHOWN else f"{name[:_MOST_SHOWN]}…"
+
+
+class _DocumentTypeError(Exception):
+    """A document type begins, which is not read."""
+
+
+def _choose_working_repairs(text: str, at: int, ways: Sequence[tuple[str, str]]) -> list[str]:
+    """Return the words of the repairs with which a text parses; if there are none, of those with which more of it parses.
+
+    :param at: where the text as it is breaks.
+    :param ways: the words of each repair, and the text with it.
+    """
+    if len(text) > _LARGEST_TRIED:
+        return [words for words, _ in ways]
+    # What is behind the mistake is the same in all texts.
+    left = [(words, len(_split_where_it_breaks(edited)[1])) for words, edited in ways]
+    whole = [words for words, count in left if count == 0]
+    return whole or [words for words, count in left if count < len(text) - at]
+
+
+def _split_where_it_breaks(text: str) -> tuple[str, str]:
+    """Return what parses of a text and the rest, which is empty if all does. A rest that begins at the end is a line break."""
+    data = text.encode("utf-8", "surrogatepass")
+    parser = expat.ParserCreate(encoding="utf-8")
+    parser.StartDoctypeDeclHandler = _refuse_doctype
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError:
+        at = max(parser.ErrorByteIndex, 0)
+    except _DocumentTypeError:
+        at = parser.CurrentByteIndex
+    else:
+        return text, ""
+    return data[:at].decode("utf-8", "replace"), data[at:].decode("utf-8", "replace") or "\n"
+
+
+def _refuse_doctype(*_: Any) -> None:
+    raise _DocumentTypeError
