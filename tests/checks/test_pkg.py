@@ -210,7 +210,7 @@ def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path)
     write(tmp_path, {"q/package.xml": "<package><name>ur_description</name></package>", "q/meshes/b.stl": ""})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/meshes/a.stl")))
     assert finding.fix is not None
-    assert finding.fix.title == "correct the path, or get the version of ur_description that has the file"
+    assert finding.fix.title == "correct the path, add the file, or get the version of ur_description that has it"
 
 
 def test_the_address_of_a_submodule_may_say_what_it_is(tmp_path: Path) -> None:
@@ -358,6 +358,35 @@ def test_wrong_case_is_corrected_in_the_path_only(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("typed", "there", "repair"),
+    [
+        ("${n}/Arm.stl", ("a/arm.stl", "b/arm.stl"), "write `arm.stl`"),
+        (
+            "${n}/Arm.stl",
+            ("a/Arm.stl", "b/arm.stl"),
+            "rename `arm.stl` to `Arm.stl`, as the other files are spelled that this",
+        ),
+        ("Arm_${n}.stl", ("Arm_A.stl", "Arm_b.stl"), "rename `Arm_A.stl` to `Arm_a.stl`, as"),
+        ("Arm_${n}.stl", ("Arm_A.stl", "Arm_B.stl"), "make the path, which is computed, end in `Arm_A.stl`"),
+    ],
+)
+def test_a_path_of_a_macro_is_not_corrected_for_one_call_alone(
+    tmp_path: Path, typed: str, there: tuple[str, ...], repair: str
+) -> None:
+    model = package(tmp_path, *(f"meshes/{name}" for name in there)).with_suffix(".urdf.xacro")
+    model.write_text(
+        '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m" params="n">\n'
+        + make_mesh_link("${n}", f"package://p/meshes/{typed}")
+        + '</xacro:macro><xacro:m n="a"/><xacro:m n="b"/></robot>',
+        encoding="utf-8",
+    )
+    finding = check(model, codes=CODES).findings[0]
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert bool(finding.fix.edits) == repair.startswith("write")
+
+
+@pytest.mark.parametrize(
     ("typed", "there", "after"),
     [
         ("meshes/A.stl", "meshes/a.STL", "meshes/a.STL"),
@@ -474,6 +503,31 @@ def test_paths_that_lead_out_of_the_package(tmp_path: Path, path: str, message: 
         assert [e.replacement for e in finding.fix.edits] == ([edit] if edit else [])
 
 
+@pytest.mark.parametrize(
+    ("own", "other", "repair"),
+    [
+        ("", "", "write `package://q/meshes/b.stl`, and declare q in package.xml"),
+        ("<depend>q</depend>", "", "write `package://q/meshes/b.stl`"),
+        (
+            "",
+            "<depend>p</depend>",
+            "move what the robot needs into p: q depends on it, so package.xml cannot declare that",
+        ),
+    ],
+)
+def test_a_neighbour_is_declared_unless_it_is_or_needs_this_package(
+    tmp_path: Path, own: str, other: str, repair: str
+) -> None:
+    model = package(tmp_path)
+    neighbour(tmp_path)
+    for name, lines in (("p", own), ("q", other)):
+        write(tmp_path / name, {"package.xml": manifest(lines, name=name)})
+    finding = only(audit(model, make_mesh_link("a", "package://p/../q/meshes/b.stl"), codes={"PKG005"}))
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+    assert bool(finding.fix.edits) == repair.startswith("write")
+
+
 def test_paths_that_lead_to_one_place_are_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path, "meshes/a.stl")
     neighbour(tmp_path)
@@ -529,6 +583,47 @@ def test_spelling_of_paths(
     for finding in findings:
         assert finding.fix is not None
         assert [e.replacement for e in finding.fix.edits] == ([edit] if edit else [])
+
+
+@pytest.mark.parametrize(
+    ("paths", "repair"),
+    [
+        (["package:/p/meshes/a.stl"], "write `package://p/meshes/a.stl`"),
+        (["package:/p/meshes/gone.stl"], "write `package://p/meshes/gone.stl`; that file is missing too"),
+        (["..\\meshes\\a.stl", "..\\meshes\\b.stl"], "write `../meshes/a.stl`, and the others likewise"),
+        (
+            ["..\\meshes\\a.stl", "..\\meshes\\gone.stl"],
+            "write `../meshes/a.stl`, and the others likewise; not all these files are there",
+        ),
+    ],
+)
+def test_a_spelling_that_leads_to_no_file_either_says_so(tmp_path: Path, paths: list[str], repair: str) -> None:
+    model = package(tmp_path, "meshes/a.stl", "meshes/b.stl")
+    finding = only(audit(model, make_mesh_link("a", *paths), codes={"PKG011"}))
+    assert finding.fix is not None
+    assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize(
+    ("place", "named", "there", "severity"),
+    [
+        ("urdf/r.urdf", "r.urdf", "", Severity.ERROR),
+        ("urdf/r.urdf", "other.urdf", "", Severity.ERROR),
+        ("urdf/old/r.urdf", "", "", Severity.INFO),
+        ("urdf/old/r.urdf", "urdf/old/r.urdf", "", Severity.ERROR),
+        ("test/r.urdf", "r.urdf", "", Severity.INFO),
+        ("test/r.urdf", "r.urdf", "visual/gone.stl", Severity.ERROR),
+    ],
+)
+def test_meshes_of_a_model_that_nothing_loads_are_no_error(
+    tmp_path: Path, place: str, named: str, there: str, severity: Severity
+) -> None:
+    robot = f'<robot name="r">{make_mesh_link("a", "package://p/meshes/gone.stl")}</robot>'
+    launch = f'<launch><param name="robot_description" textfile="$(find p)/{named or "a"}"/></launch>'
+    files = {"package.xml": manifest(), place: robot, "launch/a.launch": launch, there or "a.stl": ""}
+    write(tmp_path / "p", files)
+    finding = only(check(tmp_path / "p" / place, codes={"PKG002"}))
+    assert finding.severity is severity
 
 
 @pytest.mark.parametrize("path", ["..\\gone.stl", "package://p\\gone.stl", "package://gone\\a.stl"])
@@ -905,6 +1000,16 @@ def test_no_line_is_proposed_that_makes_a_circle(tmp_path: Path, kind: str, betw
     assert [edit.replacement.strip() for edit in other.fix.edits] == ["<exec_depend>amcl</exec_depend>"]
 
 
+@pytest.mark.parametrize(("mark", "told"), [("COLCON_IGNORE", False), ("src/COLCON_IGNORE", False), ("README", True)])
+def test_a_package_that_is_left_out_of_the_build_is_not_declared(tmp_path: Path, mark: str, told: bool) -> None:
+    launch = '<launch><include file="$(find q)/launch/q.launch"/></launch>'
+    write(tmp_path / "p", {"package.xml": manifest(), "launch/p.launch": launch, "urdf/r.urdf": URDF})
+    files = {"package.xml": manifest(name="q"), "launch/q.launch": "<launch/>"}
+    write(tmp_path / "extra/src/q", files)
+    write(tmp_path, {".git/HEAD": "", f"extra/{mark}": ""})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007") if f.data["package"] == "p"] == [["q"]] * told
+
+
 @pytest.mark.parametrize(("last", "messages"), [("p", ["ring"] * 3), ("amcl", ["undeclared"] * 3)])
 def test_lines_that_make_a_circle_together_are_not_proposed(tmp_path: Path, last: str, messages: list[str]) -> None:
     include = '<launch><include file="$(find {0})/launch/{0}.launch"/></launch>'
@@ -1167,16 +1272,23 @@ def test_a_file_that_none_names_and_that_lacks_a_package_is_a_warning(
 
 
 @pytest.mark.parametrize(
-    ("there", "told"), [("meshes/other.obj", True), ("parts/other.obj", False)], ids=["beside the file", "nowhere"]
+    ("there", "told", "repair"),
+    [
+        ("meshes/other.obj", True, "correct the path; or add the file and write `package://p/d/meshes/wheel.stl`"),
+        ("parts/other.obj", False, "correct the path, or add the folder with its files"),
+    ],
+    ids=["beside the file", "nowhere"],
 )
-def test_a_relative_path_of_an_included_file_starts_at_the_model(tmp_path: Path, there: str, told: bool) -> None:
+def test_a_relative_path_of_an_included_file_starts_at_the_model(
+    tmp_path: Path, there: str, told: bool, repair: str
+) -> None:
     part = f'<robot name="r">{make_mesh_link("a", "../meshes/wheel.stl")}</robot>'
     main = f'<robot name="r" {XACRO}><xacro:include filename="urdf/part.urdf"/></robot>'
     files = {"package.xml": manifest(), "d/urdf/part.urdf": part, "d/main.xacro": main, f"d/{there}": ""}
     finding = only(check(write(tmp_path, files) / "d/main.xacro", codes={"PKG002"}))
     assert ("; the path starts at the model's folder; from that of " in finding.message) == told
     assert finding.fix is not None
-    assert finding.fix.title.startswith("write `package://p/d/meshes/…`" if told else "correct the path, or add")
+    assert finding.fix.title == repair
 
 
 @pytest.mark.parametrize(
@@ -1202,6 +1314,14 @@ def test_a_function_of_another_package_may_install_the_folder_of_its_argument(
 @pytest.mark.parametrize(
     ("cmake", "after"),
     [
+        (
+            "install(DIRECTORY urdf DESTINATION share/p FILES_MATCHING PATTERN *.xacro)",
+            ")\ninstall(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\n\nament_package()",
+        ),
+        (
+            "if(SIMULATION)\ninstall(DIRECTORY urdf DESTINATION share/p)\nendif()",
+            "endif()\ninstall(DIRECTORY meshes DESTINATION share/${PROJECT_NAME})\n\nament_package()",
+        ),
         ("install(DIRECTORY urdf DESTINATION share/${PROJECT_NAME})", "(DIRECTORY urdf meshes DESTINATION"),
         ("install(DIRECTORY\n  urdf\n  DESTINATION share/p/\n)", "  urdf meshes\n  DESTINATION"),
         ("ament_auto_package(INSTALL_TO_SHARE urdf)", "(INSTALL_TO_SHARE urdf meshes)"),

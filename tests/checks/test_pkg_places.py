@@ -334,7 +334,7 @@ def test_a_file_that_is_on_one_machine_only_has_its_place_in_the_package(tmp_pat
         ("/meshes/a.stl", "write `package://p/meshes/a.stl`: the package has the file"),
         (
             "/home/ann/ws/src/universal_robot/ur_description/meshes/ur5/base.dae",
-            "write `package://ur_description/meshes/ur5/base.dae`, and declare the dependency in package.xml",
+            "write `package://ur_description/meshes/ur5/base.dae`, and declare ur_description in package.xml",
         ),
         (
             "/home/ann/miniforge3/envs/ros/share/ur_description/meshes/base.dae",
@@ -342,7 +342,7 @@ def test_a_file_that_is_on_one_machine_only_has_its_place_in_the_package(tmp_pat
         ),
         (
             "/home/ann/ws/src/tools/q/meshes/base.dae",
-            "write `package://q/meshes/base.dae`, and declare",
+            "write `package://q/meshes/base.dae`",
         ),  # package.xml has it
         ("/usr/share/gazebo-11/models/cup/meshes/cup.dae", "copy the file into the model's package"),
         ("/opt/ros/humble/share/p/meshes/gone.stl", "copy the file into the model's package and write `package://p/me"),
@@ -392,8 +392,8 @@ def test_a_machine_path_into_another_package_that_has_some_of_the_files_names_it
     (finding,) = check(tmp_path / "p/urdf/r.urdf", codes={"PKG004"}).findings
     assert finding.fix is not None
     assert finding.fix.title == (
-        "write `package://q/meshes/b.stl`, and the others likewise: the package has them, except a.stl, which must be added; "
-        "declare the dependency in package.xml"
+        "write `package://q/meshes/b.stl`, and the others likewise, and declare q in package.xml: the package has them, except "
+        "a.stl, which must be added"
     )
 
 
@@ -559,7 +559,7 @@ def test_a_folder_that_nothing_marks_may_be_of_the_robot(tmp_path: Path, mark: s
         ("/home/ann/wheel.xacro", "if urdf/wheel.xacro of the package is the file that is meant"),
         (
             "/home/ann/ws/src/cart/urdf/axle.xacro",
-            "if cart is a package, write `$(find cart)/urdf/axle.xacro` and declare it; else move",
+            "if cart is a package, write `$(find cart)/urdf/axle.xacro`, and declare it in package.xml; else move",
         ),
         (
             "/opt/ros/noetic/share/cart/urdf/axle.xacro",

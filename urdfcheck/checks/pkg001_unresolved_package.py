@@ -13,7 +13,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package
-from urdfcheck.source.package.package_folders import TEST_FOLDERS, is_rosbuild_package, read_package_texts
+from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
 from urdfcheck.source.path_arguments import list_path_arguments
@@ -34,8 +34,10 @@ from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
+    KEPT_ASIDE,
+    OF_TESTS,
+    explain_kept_file,
     find_deploying_script,
-    find_used_copy,
     is_certainly_left_aside,
     is_named_nowhere,
 )
@@ -51,7 +53,8 @@ _NOTES = frozenset({
     *("files-kept", "files-model"),
     *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
-_OF_TESTS = "the file is one of the tests"
+# What a file is of which no program of the robot needs the meshes, by what says so.
+_KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
@@ -62,7 +65,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         finding = _build_finding(source, rule, package, at=problem.location, related=problem.related)
         # No program loads a file that none names where the others name other models, as in XAC001.
         is_aside = finding.message_id == "expansion" and not source.is_part and is_named_nowhere(source)
-        is_aside = is_aside and is_certainly_left_aside(source)
+        is_aside = is_aside and (is_certainly_left_aside(source) or explain_kept_file(source) == KEPT_ASIDE)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_aside else finding
     missing: dict[str, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
@@ -118,7 +121,7 @@ def _build_finding(
     is_lost = message in {"files", "expansion"} and not near and not here and not checkout
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
-    kept = _explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
+    kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
     is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
     is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
@@ -173,7 +176,7 @@ def _build_finding(
         inside=inside,
         script="" if script is None else script.name,
         kept=kept,
-        kind="a test" if kept == _OF_TESTS else "an original",
+        kind=_KINDS_OF_KEPT.get(kept, "an original"),
         hint=(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
@@ -193,18 +196,6 @@ def _build_finding(
 def _names_gazebo_model(use: ResourceUse) -> bool:
     """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
     return use.resource.text.lower().startswith("model://")
-
-
-def _explain_kept_file(source: Source) -> str:
-    """Say why no program of the robot loads a model: it is in a folder of tests, or the original of another; else empty."""
-    project = find_project_folder(source.path.absolute())
-    folders = Path(os.path.relpath(source.path.absolute(), project)).parts[:-1]
-    if not TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
-        return _OF_TESTS
-    used = find_used_copy(source)
-    return (
-        "" if used is None else f"{used.name} beside it is the copy in use, and no file of the project names this one"
-    )
 
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:

@@ -49,9 +49,11 @@ from urdfcheck.source.resources import (
     is_misspelt,
     list_resource_uses,
 )
+from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
+from urdfcheck.source.uses_elsewhere import explain_kept_file
 
 _REPAIRS = {
     "file": "correct the path, or add the file",
@@ -181,6 +183,8 @@ def _build_finding(
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
     is_explained = bool(argued or outside or elsewhere or near or here)
     beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
+    # No program of the robot loads such a model, as in PKG001.
+    kept = "" if is_explained or beside else explain_kept_file(source)
     hint = argued or (
         _describe_place(outside, source)
         if outside
@@ -199,13 +203,14 @@ def _build_finding(
         message,
         at=at,
         related=[*related.values(), *places],
+        severity=Severity.INFO if kept else None,
         edits=_propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}"
         if own
         else describe_project_path(here.values(), source)
         if here
-        else _describe_owner(gap, owners)
+        else _describe_owner(gap, owners, source)
         or _describe_checkout(gap, source)
         or repair_beside
         or _describe_version(gap, source)
@@ -217,7 +222,7 @@ def _build_finding(
         listed=join_names((missing.name for missing in gap.files), 4),
         links=list(dict.fromkeys(_find_link_name(use) for use in gap.uses)),
         near=near,
-        hint=hint,
+        hint=f"{hint}; {kept}" if kept else hint,
         folder=format_path(gap.folder or path.parent),
     )
 
@@ -280,6 +285,7 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
     """
     folders: dict[Path, None] = {}
     parts: dict[str, None] = {}
+    there: dict[Path, bool] = {}
     for use in gap.uses:
         span = use.attribute.span
         file = None if span is None else source.files.get(span.file)
@@ -291,6 +297,8 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
         if not is_other or not source.finder.can_open(folder) or not folder.is_dir():
             return "", ""
         folders[folder] = parts[file.name] = None
+        meant = normalise_path(own / use.resource.text)
+        there[meant] = meant.is_file()
     subject, lead = ("the path starts", "it leads") if len(gap.files) == 1 else ("the paths start", "they lead")
     exist = "which exists" if len(folders) == 1 else "which exist"
     places = join_names(map(format_path, folders), 2)
@@ -299,11 +307,13 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
     package = source.finder.find_package_of(folder)
     if package is None:
         return hint, ""
-    inside = Path(os.path.relpath(folder, package.path.absolute())).as_posix()
-    return (
-        hint,
-        f"write `package://{package.name}/{inside}/…`, which means the same in every model, or correct the path",
-    )
+    meant = next(iter(there))
+    address = f"package://{package.name}/{Path(os.path.relpath(meant, package.path.absolute())).as_posix()}"
+    likewise = "" if len(there) == 1 else ", and the others likewise"
+    if all(there.values()):
+        return hint, f"write `{address}`{likewise}: that means the same in every model"
+    what = "the file" if len(there) == 1 else "the files that are missing there too"
+    return hint, f"correct the path; or add {what} and write `{address}`{likewise}"
 
 
 def _propose_edits(outside: Mapping[ResourceUse, Path], source: Source) -> list[Edit]:
@@ -328,15 +338,21 @@ def _explain_by_argument(gap: _MissingFiles, source: Source) -> tuple[str, list[
     return f"; argument {guilty[0]} leads there{format_choices(choices)}", [guilty[0].location]
 
 
-def _describe_owner(gap: _MissingFiles, owners: list[str]) -> str:
+def _describe_owner(gap: _MissingFiles, owners: list[str], source: Source) -> str:
     """Say how the files of another package are named; empty if none has them."""
-    resource = gap.uses[0].resource
-    inside = get_path_in_package(resource.text, resource.package or "")
-    return (
-        f"write `package://{owners[0]}/{inside}` and the others likewise, and declare {owners[0]} in package.xml"
-        if owners
-        else ""
-    )
+    if not owners:
+        return ""
+    use = gap.uses[0]
+    inside = get_path_in_package(use.resource.text, use.resource.package or "")
+    declaration = describe_declaration(_find_owner_of_text(use, source), owners[0], source.finder)
+    return f"write `package://{owners[0]}/{inside}`, and the others likewise{declaration}"
+
+
+def _find_owner_of_text(use: ResourceUse, source: Source) -> Package | None:
+    """Return the package of the file in which a path is typed."""
+    span = use.attribute.span
+    file = None if span is None else source.files.get(span.file)
+    return source.package if file is None else source.finder.find_package_of(file.path.absolute())
 
 
 def _describe_checkout(gap: _MissingFiles, source: Source) -> str:
@@ -358,8 +374,10 @@ def _describe_version(gap: _MissingFiles, source: Source) -> str:
         if len(named) == 1 and all(named)
         else None
     )
-    what = "the file" if len(gap.files) == 1 else "the files"
-    return "" if package is None else f"correct the path, or get the version of {package.name} that has {what}"
+    what, them = ("the file", "it") if len(gap.files) == 1 else ("the files", "them")
+    return (
+        "" if package is None else f"correct the path, add {what}, or get the version of {package.name} that has {them}"
+    )
 
 
 def _describe_ignored(gap: _MissingFiles) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from urdfcheck.core import Applicability, Edit, Finding, Location, Rule
+from urdfcheck.core import Applicability, Edit, Finding, Location, Rule, Severity
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.similar_files import find_moved_files, index_files, normalise_path
@@ -18,6 +18,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file
 
 
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
@@ -27,16 +28,21 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if not resource.exists and resource.actual_spelling is not None and find_machine_path(use, source) is None:
             by_path.setdefault((resource.path, resource.text), []).append(use)
     moved = _find_moved_files([uses[0] for uses in by_path.values()], source)
+    right = {use.attribute.span for use in list_resource_uses(source) if use.resource.exists}
     for uses in by_path.values():
         first = uses[0]
         actual = first.resource.actual_spelling or ""
         other = None if first.resource.path is None else moved.get(normalise_path(first.resource.path))
-        edits = [None if other else _propose_edit(use, actual, source.files) for use in uses]
+        is_shared = any(
+            use.attribute.span in right for use in uses
+        )  # by a call of the macro for which the spelling is right
+        edits = [None if other or is_shared else _propose_edit(use, actual, source.files) for use in uses]
         yield rule.finding(
             "case",
             at=_locate(first, actual, source.files),
             related=[u for u in uses if u.attribute.span != first.attribute.span],
             edits=dict.fromkeys(edit for edit in edits if edit is not None) if all(edits) else (),
+            severity=Severity.INFO if explain_kept_file(source) == KEPT_ASIDE else None,
             applicability=Applicability.SAFE if all(u.attribute.literal for u in uses) else Applicability.UNSAFE,
             written=_extract_typed_ending(first, actual),
             actual=actual,
@@ -46,9 +52,18 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             else "",
             repair=f"name the file in {format_path(other.parent)}, or write `{actual}` if that is meant"
             if other
-            else f"write `{actual}`",
+            else _describe_repair(uses, actual, is_shared=is_shared, is_typed=all(edits)),
             consequences=describe_missing_mesh(use.attribute.owner for use in uses),
         )
+
+
+def _describe_repair(uses: Sequence[ResourceUse], actual: str, *, is_shared: bool, is_typed: bool) -> str:
+    written = _extract_typed_ending(uses[0], actual)
+    if is_shared:
+        return f"rename `{actual}` to `{written}`, as the other files are spelled that this path names"
+    if is_typed or all(use.attribute.literal for use in uses):
+        return f"write `{actual}`"
+    return f"make the path, which is computed, end in `{actual}`"
 
 
 def _find_moved_files(different: Sequence[ResourceUse], source: Source) -> dict[Path, Path]:

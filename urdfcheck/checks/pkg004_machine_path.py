@@ -24,9 +24,10 @@ from urdfcheck.source.resources import (
     format_path_from_model,
     list_resource_uses,
 )
+from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh
 from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.source.uses_elsewhere import is_kept_output
+from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file, is_kept_output
 from urdfcheck.system.observing.questions import note_content
 
 
@@ -88,7 +89,13 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         message,
         at=place.location,
         # For one release a robot may be expanded on purpose.
-        severity=None if message != "installed" else Severity.INFO if is_kept_output(source) else Severity.WARNING,
+        severity=Severity.INFO
+        if explain_kept_file(source) == KEPT_ASIDE
+        else None
+        if message != "installed"
+        else Severity.INFO
+        if is_kept_output(source)
+        else Severity.WARNING,
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_propose_edits(place, portable) if message != "installed" else [],
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if is_lost else None,
@@ -122,6 +129,9 @@ def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
     # The last one, with a folder of its own between it and the file.
     named = [i for i, part in enumerate(parts[:-1]) if part in declared | released]
     if not named or (own is not None and parts[named[-1]] == own.name):
+        return None
+    folder, inside = source.finder.find(parts[named[-1]]), "/".join((*parts[named[-1] + 1 :], name))
+    if folder is not None and not os.path.isfile(folder / inside):  # the package is here, and lacks the file
         return None
     return f"package://{'/'.join((*parts[named[-1] :], name))}"
 
@@ -205,7 +215,10 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         return f"write `{paths[0]}`{likewise if len(set(paths)) > 1 else ''}: {owner}"
     others = [path or _find_path_of_other(use, source) for use, path in zip(place.uses, portable, strict=True)]
     if None not in others:
-        declare = "" if source.package is None or all(portable) else ", and declare the dependency in package.xml"
+        named = dict.fromkeys(
+            path.split("/")[2] for path in others if path is not None and path.startswith("package://")
+        )
+        declare = "".join(describe_declaration(source.package, name, source.finder) for name in named)
         return f"write `{others[0]}`{likewise if several else ''}{declare}"
     # A path may name another package, which has some of the files.
     owners = {path.split("/")[2] for path in paths if path.startswith("package://")}
@@ -213,9 +226,9 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     if paths and None not in future:
         lacking = [str(path) for path, here in zip(future, portable, strict=True) if here is None]
         names = join_names(list(dict.fromkeys(path.rpartition("/")[2] for path in lacking)), 3)
-        known = set() if source.package is None else {source.package.name, *source.package.dependencies}
-        declare = "" if owners <= known else "; declare the dependency in package.xml"
-        return f"write `{paths[0]}`, and the others likewise: the package has them, except {names}, which must be added{declare}"
+        declare = "".join(describe_declaration(source.package, name, source.finder) for name in sorted(owners))
+        has = f"the package has them, except {names}, which must be added"
+        return f"write `{paths[0]}`, and the others likewise{declare}: {has}"
     repair = f"copy the file into the model's package and write {_format_future_path(future, place.uses, source)}"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:

@@ -12,8 +12,9 @@ from urdfcheck.core import Edit, Finding, Rule
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.package.finder import format_path
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.resources import list_resource_uses
+from urdfcheck.source.ros.dependencies import describe_declaration, needs
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
@@ -49,7 +50,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         goal = _EscapeTarget("", escape.target.parent) if other is None else _EscapeTarget(other.name, other.path)
         goals.setdefault((escape.package, goal.folder), goal).escapes.append(escape)
     for goal in goals.values():
-        yield _build_finding(goal, rule)
+        yield _build_finding(goal, rule, source)
 
 
 def _find_escaping_files(source: Source) -> Iterator[_EscapingPath]:
@@ -95,10 +96,14 @@ def _make_absolute(path: Path) -> Path:
     return Path(os.path.abspath(path))
 
 
-def _build_finding(goal: _EscapeTarget, rule: Rule) -> Finding:
+def _build_finding(goal: _EscapeTarget, rule: Rule, source: Source) -> Finding:
     first, *others = goal.escapes
     files = list(dict.fromkeys(escape.text for escape in goal.escapes))
-    edits = {e.attribute.span: edit for e in goal.escapes for edit in _propose_edits(e, goal)}
+    span = first.attribute.span
+    file = None if span is None else source.files.get(span.file)
+    owner = source.package if file is None else source.finder.find_package_of(file.path.absolute())
+    is_above = bool(goal.package) and owner is not None and needs(goal.package, owner, source.finder)
+    edits = {e.attribute.span: edit for e in goal.escapes for edit in _propose_edits(e, goal) if not is_above}
     return rule.finding(
         "package" if goal.package else "nowhere",
         at=first.attribute,
@@ -109,8 +114,17 @@ def _build_finding(goal: _EscapeTarget, rule: Rule) -> Finding:
         folder=format_path(goal.folder),
         files=files,
         listed=join_names(files, 2),
-        portable=_build_portable_path(first, goal),
+        repair=_describe_repair(first, goal, owner, source.finder, is_above=is_above),
     )
+
+
+def _describe_repair(
+    escape: _EscapingPath, goal: _EscapeTarget, owner: Package | None, finder: PackageFinder, *, is_above: bool
+) -> str:
+    """Say to name the other package, or to move the files where that one needs the package of the file (``is_above``)."""
+    if owner is not None and is_above:
+        return f"move what the robot needs into {owner.name}: {goal.package} depends on it, so package.xml cannot declare that"
+    return f"write `{_build_portable_path(escape, goal)}`{describe_declaration(owner, goal.package, finder)}"
 
 
 def _build_portable_path(escape: _EscapingPath, goal: _EscapeTarget) -> str:

@@ -94,7 +94,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
     missing = _select_missing(package, undeclared) if undeclared else {}
-    for name in [name for name in missing if _is_inside_another(_find_package(package, name), package)]:
+    for name in [name for name in missing if _is_out_of_the_build(_find_package(package, name), package)]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     named = set(missing)
@@ -109,6 +109,9 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
         del missing[name]  # a folder of that name is no package
     unknown = [name for name in missing if not _is_known(package, name)]
+    for name in _select_left_out(package, unknown):
+        unknown.remove(name)
+        del missing[name]
     if unknown:
         message = "unknown" if len(unknown) == 1 else "unknown-several"
         yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
@@ -169,13 +172,28 @@ def _is_inside_another(folder: Path | None, package: Package) -> bool:
 
 
 def _is_not_built(package: Package) -> bool:
-    """Whether the build tools and rosdep leave a package out: it is inside another one, or a mark at it or above it says so."""
-    if _is_inside_another(package.path, package):
-        return True
+    """Whether the build tools and rosdep leave a package out."""
+    return _is_out_of_the_build(package.path, package)
+
+
+def _is_out_of_the_build(place: Path | None, package: Package) -> bool:
+    """Whether a package of the repository is inside another one, or a mark at it or above it says that it is not built."""
+    if place is None or _is_inside_another(place, package):
+        return place is not None
     top = None if package.finder is None else package.finder.find_repository()
-    folder, around = package.path.absolute(), takewhile(lambda outer: outer != top, package.path.absolute().parents)
+    folder, around = place.absolute(), takewhile(lambda outer: outer != top, place.absolute().parents)
     levels = [folder] if top is None else [folder, *around]
     return any(os.path.lexists(level / mark) for level in levels for mark in IGNORE_MARKS)
+
+
+def _select_left_out(package: Package, names: Sequence[str]) -> list[str]:
+    """Return those packages of the repository that the build leaves out: a run finds none of them."""
+    finder = package.finder
+    root = None if finder is None or not names else finder.find_repository()
+    if finder is None or root is None:
+        return []
+    places = {name: folder for name, folder in finder.walk_repository(root) if name in names}
+    return [name for name in names if _is_out_of_the_build(places.get(name), package)]
 
 
 def _select_missing(
@@ -539,27 +557,38 @@ def _find_circles(package: Package, missing: Iterable[str]) -> dict[str, tuple[s
 
 
 def _find_chain(package: Package, name: str) -> list[str]:
-    """Return the packages of the repository through which ``name`` uses this package, each of which uses the next or depends on
-    it; empty if it does not."""
+    """Return the packages of the repository through which ``name`` depends on this package, or would with the lines that are
+    proposed for them; empty if it does not."""
     finder, workspace = package.finder, _list_workspace(package)
     if finder is None or name not in workspace:
         return []
+    read: dict[str, tuple[frozenset[str], set[str]]] = {}
+
+    def read_names(one: str) -> tuple[frozenset[str], set[str]]:
+        """Return what a package declares, and what its files use."""
+        if one not in read and len(read) < _MOST_IN_CHAIN:
+            folder = package.path if one == package.name else workspace[one]
+            other = load_package(folder) if finder.can_open(folder / "package.xml") else None
+            read[one] = (frozenset(), set()) if other is None else (other.dependencies, list_mentioned_packages(other))
+        return read.get(one, (frozenset(), set()))
+
+    def needs_line(one: str, other: str) -> bool:
+        """Whether a line is proposed for a package that another one uses: none is where that one uses or needs it, too."""
+        return one not in collect_dependencies(finder, [other]) and one not in read_names(other)[1]
+
     through: dict[str, list[str]] = {name: []}
     waiting = deque([name])
-    for _ in range(_MOST_IN_CHAIN):
-        one = waiting.popleft() if waiting else ""
-        folder = workspace.get(one)
-        other = None if folder is None or not finder.can_open(folder / "package.xml") else load_package(folder)
-        if other is None:
-            if not waiting:
-                return []
-            continue
-        used = other.dependencies | list_mentioned_packages(other)
-        if package.name in used and one != name:
-            return through[one]
-        for further in sorted((used & workspace.keys()) - through.keys()):
-            through[further] = [*through[one], further]
-            waiting.append(further)
+    while waiting:
+        one = waiting.popleft()
+        declared, used = read_names(one)
+        for other in sorted(declared | used):
+            if other not in workspace.keys() | {package.name} or other in through:
+                continue
+            if other in declared or needs_line(one, other):
+                if other == package.name:
+                    return through[one]
+                through[other] = [*through[one], other]
+                waiting.append(other)
     return []
 
 

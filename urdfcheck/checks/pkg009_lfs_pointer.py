@@ -6,13 +6,14 @@ import re
 from collections.abc import Iterator
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, list_resource_uses
 from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
+from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file
 from urdfcheck.system.files import read_start
 
 POINTER = b"version https://git-lfs.github.com/spec/"
@@ -45,6 +46,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             "pointer" if len(paths) == 1 else "pointers",
             at=uses[0],
             related=uses[1:],
+            severity=Severity.INFO if explain_kept_file(source) == KEPT_ASIDE else None,
             cause="clone" if tracked == _DOUBTFUL else tracked,
             path=format_path(paths[0]),
             count=len(paths),

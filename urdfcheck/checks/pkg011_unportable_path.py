@@ -114,8 +114,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         part=problem.part,
         scheme=problem.part,
         letters="".join(sorted({c for c in problem.part if not c.isascii()})[:10]),
-        plain=problem.suggestion or "",
-        repair=f"write `{problem.suggestion}`{', and the others likewise' if len(files) > 1 else ''}"
+        repair=_describe_suggestion(problem, source)
         if problem.suggestion
         else "correct the path: no file has this name, and `_` is better than blanks in one"
         if lost and not exists
@@ -126,6 +125,16 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         more=f", and {join_names(files[1:], 2)}" if len(files) > 1 else "",
         lost="" if not exists else "; the file is there" if len(files) == 1 else "; the files are there",
     )
+
+
+def _describe_suggestion(problem: _PathProblem, source: Source) -> str:
+    """Say what to write, and what is still missing then."""
+    likewise = ", and the others likewise" if len({use.resource.text for use in problem.uses}) > 1 else ""
+    found = (_classify_path_problem(use, source) for use in problem.uses)
+    meant = {one.suggestion for one in found if one is not None and one.suggestion is not None}
+    missing = [p for p in meant if not source.finder.resolve_resource(p, source.path.parent).exists]
+    rest = "" if not missing else "; that file is missing too" if not likewise else "; not all these files are there"
+    return f"write `{problem.suggestion}`{likewise}{rest}"
 
 
 def _get_severity(problem: _PathProblem, source: Source) -> Severity | None:

@@ -24,6 +24,7 @@ from urdfcheck.source.resources import (
     is_misspelt,
     list_resource_uses,
 )
+from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.system.observing.questions import expand_home
 
@@ -126,7 +127,9 @@ class _UnreadPlace:
             return f"write `$({find} {package.name})/{inside}`: the package has the file"
         installed = find_installed_file(self.path) if self.is_typed else None
         if installed is not None and installed[0] != package.name:
-            return f"write `$({find} {installed[0]})/{installed[1]}`, and declare {installed[0]} in package.xml"
+            return (
+                f"write `$({find} {installed[0]})/{installed[1]}`{describe_declaration(package, installed[0], finder)}"
+            )
         if not self.is_of_other_machine:
             return self._describe_move()
         inside = self._find_namesake(package)
@@ -136,7 +139,8 @@ class _UnreadPlace:
         owner = _OF_PACKAGE.search(self.path.as_posix())
         if owner is not None and owner[1] != package.name:
             named = f"$({find} {owner[1]})/{owner[2]}"
-            return f"if {owner[1]} is a package, write `{named}` and declare it; else {self._describe_move()}"
+            declaration = describe_declaration(package, owner[1], finder, shown="it")
+            return f"if {owner[1]} is a package, write `{named}`{declaration}; else {self._describe_move()}"
         return self._describe_move()
 
     def _describe_move(self) -> str:

@@ -138,14 +138,15 @@ def _has_repeated_model(group: Sequence[Finding]) -> bool:
 
 
 def _join_models(group: Sequence[Finding], *, rank: Callable[[Finding], tuple[Any, ...]]) -> Finding:
-    """Return the finding of the first model, with all models and with the places of the others that are elsewhere."""
-    ordered = sorted(group, key=rank)
+    """Return the finding of the first model for which it is worst, with all models and with the places of the others that are
+    elsewhere."""
+    ordered = sorted(group, key=lambda finding: (-finding.severity, *rank(finding)))
     first = ordered[0]
     variants = {model: subjects for finding in ordered for model, subjects in finding.subjects_by_model.items()}
     places = {f.location.span: f.location for f in ordered if f.location.span != first.location.span}
     related = dict.fromkeys((*first.related, *places.values()))
     # What is not safe in one model is not safe.
-    fixes = [finding.fix for finding in group if finding.fix is not None]
+    fixes = [finding.fix for finding in ordered if finding.fix is not None]
     order = list(Applicability)
     return replace(
         first,

@@ -18,7 +18,13 @@ from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.model_file import compile_includes, may_compute_name, names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
-from urdfcheck.source.package.package_folders import get_used_name, iter_package_texts, read_package_texts
+from urdfcheck.source.package.package_folders import (
+    TEST_FOLDERS,
+    get_used_name,
+    is_kept_aside,
+    iter_package_texts,
+    read_package_texts,
+)
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
@@ -59,6 +65,11 @@ _DEFINED = re.compile(r"""<xacro:(?:arg|property|macro)\s[^<>]{0,1000}?name\s*=\
 MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
 # `name:=value` of a command, {"name": value} and name="…" of Python and CMake, name: of yaml.
 _PASSED = re.compile(r"""(?<!\w)([A-Za-z_]\w*)["']?\s*(?::?=|:)""")
+
+
+# Why no program of the robot loads a model.
+OF_TESTS = "the model is one of the tests"
+KEPT_ASIDE = "the model is in a folder of what is kept and not used, and no file of the package names it"
 
 
 @dataclass(frozen=True, slots=True)
@@ -277,6 +288,21 @@ def find_used_copy(source: Source) -> Path | None:
         if count >= _MAX_FILES or own.search(text):
             return None
     return used
+
+
+def explain_kept_file(source: Source) -> str:
+    """Say why no program of the robot loads a model: it is in a folder of tests, in one of what is kept and not used, or the
+    original of another; else empty."""
+    project = find_project_folder(source.path.absolute())
+    folders = Path(os.path.relpath(source.path.absolute(), project)).parts[:-1]
+    if not TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
+        return OF_TESTS
+    if source.package is not None and is_kept_aside(source.path, source.package.path) and is_named_nowhere(source):
+        return KEPT_ASIDE
+    used = find_used_copy(source)
+    return (
+        "" if used is None else f"{used.name} beside it is the copy in use, and no file of the project names this one"
+    )
 
 
 def _iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tuple[Path, str]]:

@@ -22,6 +22,9 @@ from urdfcheck.system.files import read_regular
 
 # The share folder of a package whose CMake project has its name.
 _SHARE = "share/${PROJECT_NAME}"
+# What begins a block of commands that may not run, and what selects files of an installed folder.
+_BLOCKS = frozenset({"if", "foreach", "while", "function", "macro", "block"})
+_SELECTING = frozenset({"FILES_MATCHING", "PATTERN", "REGEX", "CONFIGURATIONS", "COMPONENT", "OPTIONAL"})
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -101,19 +104,33 @@ def _locate_insertion(
 
     It is after the folders of a command that installs some into the package's share folder, or else before the last command.
     """
-    for command in reversed(commands):
+    unconditional = _list_unconditional_commands(commands)
+    for command in reversed(unconditional):
         folders = _find_share_folder(command, {rules.share, f"share/{package}"})
         if folders is not None:
             end = command.ends[folders]
             at = Location("install", file.make_span(command.start, command.end))
             return replace(rules, at=at, insertion_point=file.make_span(end, end), insertion=(" ", ""))
-    last = next((c for c in reversed(commands) if c.name == "ament_package"), None)
+    last = next((c for c in reversed(unconditional) if c.name == "ament_package"), None)
     if last is None:
         span = file.make_span(commands[-1].start, commands[-1].end) if commands else file.make_span(0, 0)
         return replace(rules, at=Location("install", span))
     at = Location("install", file.make_span(last.start, last.end))
     insertion = ("install(DIRECTORY ", f" DESTINATION {rules.share})\n\n")
     return replace(rules, at=at, insertion_point=file.make_span(last.start, last.start), insertion=insertion)
+
+
+def _list_unconditional_commands(commands: Sequence[CmakeCommand]) -> list[CmakeCommand]:
+    """Return the commands outside of conditions, loops and functions: those in them may not run."""
+    depth, found = 0, []
+    for command in commands:
+        if command.name in _BLOCKS:
+            depth += 1
+        elif command.name.removeprefix("end") in _BLOCKS:
+            depth -= 1
+        elif depth <= 0:
+            found.append(command)
+    return found
 
 
 def _find_share_folder(command: CmakeCommand, shares: AbstractSet[str]) -> int | None:
@@ -124,6 +141,8 @@ def _find_share_folder(command: CmakeCommand, shares: AbstractSet[str]) -> int |
         count = next((i for i, word in enumerate(rest) if word.isupper()), len(rest))
         return words.index("INSTALL_TO_SHARE") + count if count else None
     if command.name != "install" or words[:1] != ("DIRECTORY",) or "DESTINATION" not in words[2:-1]:
+        return None
+    if not _SELECTING.isdisjoint(words):  # only some files of its folders
         return None
     at = words.index("DESTINATION")
     share = words[at + 1].strip('"').rstrip("/")
