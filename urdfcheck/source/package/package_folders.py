@@ -29,7 +29,7 @@ IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
 _LEVELS_LEFT_OUT = 4
 # Of a package, so many texts of at most so many bytes are read.
-_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
+_TEXTS = (".py", ".xml", ".launch", ".txt", ".cmake", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
 _MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
 # The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
 _MANIFESTS = frozenset({"package.xml", "manifest.xml"})
