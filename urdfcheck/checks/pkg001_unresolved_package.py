@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -50,7 +50,7 @@ _LEAST_FILES = 3
 # The messages about models that are right somewhere else.
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
-    *("files-kept", "files-model"),
+    *("files-gazebo", "files-kept", "files-model"),
     *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
 # What a file is of which no program of the robot needs the meshes, by what says so.
@@ -124,6 +124,8 @@ def _build_finding(
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
     is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
     is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
+    is_found_by_gazebo = is_lost and message == "files" and source.package is None and bool(uses)
+    gazebo_model = _find_gazebo_model(source, package, files) if is_found_by_gazebo else None
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
         message = "expansion-rosbuild"
     elif inside:
@@ -132,6 +134,8 @@ def _build_finding(
         message = "files-part"
     elif is_of_gazebo and package and message in {"files", "files-aside"}:
         message = "files-model"
+    elif gazebo_model is not None:
+        message = "files-gazebo"
     elif kept:
         message = "files-kept"
     # The meshes of a declared package are missing only until it is installed.
@@ -172,7 +176,7 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
-        folder="" if clone is None else clone.name,
+        folder=format_path(gazebo_model) if gazebo_model is not None else "" if clone is None else clone.name,
         inside=inside,
         script="" if script is None else script.name,
         kept=kept,
@@ -196,6 +200,20 @@ def _build_finding(
 def _names_gazebo_model(use: ResourceUse) -> bool:
     """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
     return use.resource.text.lower().startswith("model://")
+
+
+def _find_gazebo_model(source: Source, package: str, files: Sequence[str]) -> Path | None:
+    """Return the folder of a model of Gazebo in the project that has the name of a package and all files at their paths in it.
+
+    Gazebo and iDynTree look for a package there: in the folders of GAZEBO_MODEL_PATH.
+    """
+    wanted = [get_path_in_package(file, package) for file in files]
+    for here, names, found in walk(find_project_folder(source.path.absolute())):
+        names[:] = [name for name in names if not name.startswith(".")]
+        folder = Path(here)
+        if folder.name == package and "model.config" in found and _has_all_files(folder, wanted, source):
+            return folder
+    return None
 
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:
