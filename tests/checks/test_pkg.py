@@ -1253,22 +1253,29 @@ def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("load", "severity"),
-    [("$(find p)/urdf/car.xacro", Severity.WARNING), ("$(find p)/urdf/gone.xacro", Severity.ERROR)],
-    ids=["others are named", "it is named"],
+    ("load", "include", "is_used"),
+    [
+        ("$(find p)/urdf/car.xacro", "", False),
+        ("$(find p)/urdf/gone.xacro", "", True),
+        ("$(find p)/urdf/car.xacro", '<!-- <xacro:include filename="gone.xacro"/> -->', False),
+        ("$(find p)/urdf/car.xacro", '<xacro:include filename="gone.xacro"/>', True),
+        ("$(find p)/urdf/car.xacro", '<xacro:include filename="${part}.xacro"/>', True),
+    ],
+    ids=["others are named", "it is named", "it is named in a comment", "it is included", "the name is computed"],
 )
-def test_a_file_that_none_names_and_that_lacks_a_package_is_a_warning(
-    tmp_path: Path, load: str, severity: Severity
+def test_a_file_that_none_names_and_that_lacks_a_package_is_a_note(
+    tmp_path: Path, load: str, include: str, is_used: bool
 ) -> None:
     lacking = f'<robot name="r" {XACRO}><xacro:include filename="$(find gone_parts)/a.xacro"/></robot>'
     files = {
         "package.xml": manifest(),
         "urdf/gone.xacro": lacking,
-        "urdf/car.xacro": f'<robot name="c" {XACRO}><link name="b"/></robot>',
-        "launch/car.launch": f"<launch><param name='robot_description' command='xacro {load}'/></launch>",
+        "urdf/car.xacro": f'<robot name="c" {XACRO}><link name="b"/>{include}</robot>',
+        "launch/car.launch": f"<launch><!-- gone.xacro --><param name='robot_description' command='xacro {load}'/></launch>",
     }
     finding = only(check(write(tmp_path, files) / "urdf/gone.xacro", codes={"PKG001"}))
-    assert (finding.message_id, finding.severity) == ("expansion", severity)
+    wanted = ("expansion", Severity.ERROR) if is_used else ("expansion-aside", Severity.INFO)
+    assert (finding.message_id, finding.severity, finding.blocks_check) == (*wanted, True)
 
 
 @pytest.mark.parametrize(

@@ -39,7 +39,7 @@ from urdfcheck.source.uses_elsewhere import (
     explain_kept_file,
     find_deploying_script,
     is_certainly_left_aside,
-    is_named_nowhere,
+    is_unused,
 )
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
@@ -51,7 +51,7 @@ _LEAST_FILES = 3
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
     *("files-gazebo", "files-kept", "files-model"),
-    *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
+    *("expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
 # What a file is of which no program of the robot needs the meshes, by what says so.
 _KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
@@ -62,11 +62,7 @@ _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)"
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("package-not-found"):
         package = str(problem.data["package"])
-        finding = _build_finding(source, rule, package, at=problem.location, related=problem.related)
-        # No program loads a file that none names where the others name other models, as in XAC001.
-        is_aside = finding.message_id == "expansion" and not source.is_part and is_named_nowhere(source)
-        is_aside = is_aside and (is_certainly_left_aside(source) or explain_kept_file(source) == KEPT_ASIDE)
-        yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_aside else finding
+        yield _build_finding(source, rule, package, at=problem.location, related=problem.related)
     missing: dict[str, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
         if use.resource.package is not None and use.resource.path is None and not is_misspelt(use, source):
@@ -118,6 +114,9 @@ def _build_finding(
         else kind
     )
     clone = _find_rosbuild_folder(source, package, at)
+    # No program loads a file that none names where the others name other models, as in XAC001.
+    if message == "expansion" and (is_unused(source) or explain_kept_file(source) == KEPT_ASIDE):
+        message = "expansion-aside"
     is_lost = message in {"files", "expansion"} and not near and not here and not checkout
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
@@ -193,7 +192,7 @@ def _build_finding(
         + named_by,
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
-    is_blocked = message in {"expansion-declared", "expansion-inside", "expansion-rosbuild"}
+    is_blocked = message in {"expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"}
     return replace(finding, blocks_check=True) if is_blocked else finding
 
 
