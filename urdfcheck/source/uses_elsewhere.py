@@ -243,8 +243,8 @@ def iter_project_texts(source: Source, file: Path | None = None) -> Iterator[tup
 
 
 def is_unused(source: Source) -> bool:
-    """Whether no file names the model where the others of its package name other models, as a kept copy or a part that is no longer
-    included.
+    """Whether no file names the model where the others of its package name other models: it is a kept copy, or a part that is no
+    longer included.
 
     A piece of a robot without a name may be included by a name that is computed.
     """
