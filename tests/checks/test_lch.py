@@ -1166,3 +1166,33 @@ def test_a_file_of_macros_is_not_proposed_as_a_model(tmp_path: Path, inside: str
     (finding,) = find_in_launch(tmp_path, body, "LCH001")
     assert ("did you mean" in finding.message) == bool(near)
     assert near in finding.message
+
+
+@pytest.mark.parametrize(
+    ("passed", "package", "found"),
+    [
+        ("", "car", {"launch/sensors.launch": "include-default"}),
+        ("my_", "car", {"launch/sensors.launch": "include-default", "launch/all.launch": "include-file"}),
+        ("", "bus", {"launch/sensors.launch": "include-file"}),
+        (None, "car", {"launch/sensors.launch": "include-file", "launch/all.launch": "include-file"}),
+    ],
+    ids=["it exists", "it does not", "of another package", "nothing is passed"],
+)
+def test_a_default_that_the_including_launch_file_replaces_is_judged_there(
+    tmp_path: Path, passed: str | None, package: str, found: dict[str, str]
+) -> None:
+    line = "" if passed is None else f'<arg name="who" value="{passed}"/>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "bus/package.xml": "<package><name>bus</name></package>",
+        "launch/sensors.launch": '<launch><arg name="who" default="arm_"/>'
+        '<include file="$(find car)/launch/$(arg who)manager.launch"/></launch>',
+        "launch/all.launch": f'<launch><include file="$(find {package})/launch/sensors.launch">{line}</include></launch>',
+        "launch/manager.launch": "<launch/>",
+    }
+    if package == "bus":
+        files["bus/launch/all.launch"] = files.pop("launch/all.launch")
+        files["bus/launch/sensors.launch"] = "<launch/>"
+    names = [name for name in files if name.endswith(("sensors.launch", "all.launch"))]
+    told = {name: [f.message_id for f in find(tmp_path, files, "LCH001", name=name)] for name in names}
+    assert {name: messages[0] for name, messages in told.items() if messages} == found
