@@ -14,6 +14,7 @@ from pathlib import Path
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.text import truncate_text
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
+from urdfcheck.source.missing_paths import explain_missing_path
 from urdfcheck.source.model_file import find_placeholder, is_blank, is_foreign_launch
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,
@@ -174,7 +175,8 @@ class _Planner:
             elif path.exists():
                 self.missing.append((str(path), "is neither a file nor a folder"))
             else:
-                self.missing.append((str(path), "does not exist"))
+                can_open = (lambda _: True) if self.reach is None else self.reach.can_open
+                self.missing.append((str(path), explain_missing_path(path, can_open)))
         except OSError as error:
             self.missing.append((str(path), error.strerror or str(error)))
         except UrdfcheckError as error:
