@@ -175,8 +175,7 @@ class _Planner:
             elif path.exists():
                 self.missing.append((str(path), "is neither a file nor a folder"))
             else:
-                can_open = (lambda _: True) if self.reach is None else self.reach.can_open
-                self.missing.append((str(path), explain_missing_path(path, can_open)))
+                self.missing.append((str(path), explain_missing_path(path)))
         except OSError as error:
             self.missing.append((str(path), error.strerror or str(error)))
         except UrdfcheckError as error:

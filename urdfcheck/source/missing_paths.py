@@ -5,7 +5,6 @@ from __future__ import annotations
 import difflib
 import os
 import re
-from collections.abc import Callable
 from pathlib import Path
 
 from urdfcheck.core.text import format_argument_option
@@ -18,25 +17,25 @@ _LIKENESS = 0.75
 _MOST_NAMES = 2_000
 
 
-def explain_missing_path(path: Path, can_open: Callable[[Path], bool]) -> str:
+def explain_missing_path(path: Path) -> str:
     """Say that a path does not exist, and what was probably meant: an argument of a xacro file, or a path with a similar name.
 
-    ``can_open``: whether a folder may be read.
+    The path is in reach, and so are the folders on the way to what is missing in it.
     """
     text = str(path)
     if _ARGUMENT.match(text):
         name, _, value = text.partition(":=")
         return f"does not exist; write `{format_argument_option(name, value)}` for an argument of xacro"
-    meant = _find_similar_path(path, can_open)
+    meant = _find_similar_path(path)
     return "does not exist" if meant is None else f"does not exist (did you mean {str(meant)!r}?)"
 
 
-def _find_similar_path(path: Path, can_open: Callable[[Path], bool]) -> Path | None:
+def _find_similar_path(path: Path) -> Path | None:
     """Return the path that exists and whose names are those of another one, or similar to them."""
     here = Path(path.anchor)
     for name in path.parts[1 if path.anchor else 0 :]:
         if not os.path.lexists(here / name):
-            similar = _find_similar_name(name, here) if can_open(here) else None
+            similar = _find_similar_name(name, here)
             if similar is None:
                 return None
             name = similar  # noqa: PLW2901
