@@ -2043,3 +2043,38 @@ def test_joints_alone_are_no_robot(tmp_path: Path) -> None:
     write(tmp_path, {"joints.xacro": HEAD.format("") + joint, "r.xacro": HEAD.format(' name="r"') + joint})
     assert not check(tmp_path / "joints.xacro", codes={"XAC010"}).findings
     assert only(check(tmp_path / "r.xacro", codes={"XAC010"})).code == "XAC010"
+
+
+@pytest.mark.parametrize(
+    ("before", "condition", "base", "told"),
+    [
+        ("", '<xacro:if value="$(arg base)">', "", "`--arg base:=false`, which skips this include"),
+        ("", '<xacro:unless value="$(arg base)">', "", "`--arg base:=true`, which skips this include"),
+        ('<xacro:property name="b" value="$(arg base)"/>', '<xacro:if value="${b}">', "", "`--arg base:=false`"),
+        ("", '<xacro:if value="$(arg base)">', '<xacro:include filename="base.xacro"/>', "`--arg base:=false`"),
+        ("${gone}", '<xacro:if value="$(arg base)">', "", ""),
+        ("", '<xacro:if value="${1 == 1}">', "", ""),
+    ],
+    ids=["if", "unless", "by a property", "around the include of the file", "it stops all the same", "no argument"],
+)
+@pytest.mark.parametrize("declared", ["", "<exec_depend>gone</exec_depend>"])
+def test_an_argument_that_skips_the_include_of_a_missing_package(
+    tmp_path: Path, before: str, condition: str, base: str, told: str, declared: str
+) -> None:
+    lacking = '<xacro:include filename="$(find gone)/a.xacro"/>'
+    default = "false" if "unless" in condition else "true"
+    end = f"</{condition[1:].split()[0]}>"
+    arg = f'<xacro:arg name="base" default="{default}"/>'
+    # What comes after the include is not read where the expansion stops.
+    body = f'{arg}{before if "property" in before else ""}{condition}{base or lacking}{end}<link name="l"/>'
+    body += f'<joint name="{before}"/>' if "gone" in before else ""
+    files = {
+        "package.xml": f"<package><name>p</name>{declared}</package>",
+        "urdf/r.xacro": f'<robot name="r" {XACRO}>{body}</robot>',
+        "urdf/base.xacro": f"<robot {XACRO}>{lacking}</robot>",
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/r.xacro", codes={"PKG001"}))
+    assert finding.message_id == ("expansion-declared" if declared else "expansion")
+    assert finding.fix is not None
+    assert told in finding.fix.title
+    assert ("--arg" in finding.fix.title) == bool(told)

@@ -10,7 +10,8 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
-from urdfcheck.core.text import format_count, join_names
+from urdfcheck.core.text import format_argument_option, format_count, join_names
+from urdfcheck.source.arguments.skipping_arguments import find_skipping_argument
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
@@ -156,6 +157,9 @@ def _build_finding(
         repair = _describe_rosbuild_repair(source, package, clone)
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
+    if kind == "expansion" and clone is None:
+        skipping = find_skipping_argument(source, at)
+        repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
     finding = rule.finding(
         message,
         at=at,
