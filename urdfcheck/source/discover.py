@@ -13,8 +13,8 @@ from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.text import truncate_text
+from urdfcheck.source.arguments.missing_paths import explain_missing_path
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
-from urdfcheck.source.missing_paths import explain_missing_path
 from urdfcheck.source.model_file import find_placeholder, is_blank, is_foreign_launch
 from urdfcheck.source.package.file_kinds import (
     FORMATS_BY_ROOT,

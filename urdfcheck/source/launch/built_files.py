@@ -73,7 +73,7 @@ def _is_handed_on(sources: Sequence[str], build: str, package: Path, reach: File
     computed = [posixpath.basename(word) for word in installed.expanded_words if _FILLED_IN.search(word)]
     patterns = [_FILLED_IN.sub("*", word) for word in (*(w for w in words if w.endswith(_XACRO)), *computed)]
     is_named = any(posixpath.basename(word) in stems for word in installed.expanded_words)
-    return is_named or any(match_any_pattern(patterns, [name]) for name in sources)
+    return is_named or any(match_any_pattern(patterns, (name,)) for name in sources)
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
