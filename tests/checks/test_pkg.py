@@ -426,6 +426,22 @@ def test_machine_path_is_told_once_whether_or_not_it_may_be_looked_at(tmp_path: 
     assert (finding.code, finding.message_id) == ("PKG004", "nowhere")
 
 
+@pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ("file://posters/a.stl", "host"),
+        ("file://p/meshes/a.stl", "host"),
+        ("file://home/ann/a.stl", "unread"),
+        ("file://C:/robots/a.stl", "unread"),
+        ("file://localhost/home/ann/a.stl", "unread"),
+    ],
+)
+def test_a_folder_in_place_of_the_host_is_of_no_machine(tmp_path: Path, typed: str, message: str) -> None:
+    finding = only(audit(package(tmp_path), make_mesh_link("a", typed)))
+    assert (finding.code, finding.message_id) == ("PKG004", message)
+    assert ("machine" in finding.headline) == (message == "unread")
+
+
 def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
     links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
     finding = only(audit(package(tmp_path), *links))

@@ -45,8 +45,8 @@ _KINDS = {
     "file": ("a file:// path", "file:// paths"),
     "home": ("a path in the home folder", "paths in the home folder"),
 }
-# A file:// URI with a folder where the name of the machine belongs; `file://C:/` names a drive.
-_HOST = re.compile(r"file://(?!localhost/)([^/\\:~$]+)/")
+# A file:// URI with a folder where the name of a machine belongs. `file://C:/` names a drive, `file://home/ann` lacks a slash.
+_HOST = re.compile(r"file://(?!(?:localhost|home|mnt|media|opt|root|tmp|usr|Users|var|workspaces?)/)([^/\\:~$]+)/")
 # Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
 # A released name of one word (robot, urdf) is as often a folder of another kind.
