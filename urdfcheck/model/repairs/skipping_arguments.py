@@ -9,7 +9,6 @@ from urdfcheck.core import Location
 from urdfcheck.core.errors import ModelTimeout
 from urdfcheck.source.load import Source
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.expand import expand_xacro
 
 # The value with which a condition of this kind leaves out what is in it.
 _SKIPPING = {"xacro:if": "false", "xacro:unless": "true"}
@@ -26,6 +25,8 @@ def find_skipping_argument(source: Source, at: Location) -> tuple[str, str] | No
 
     :raises ModelTimeout: if the model's time is used up.
     """
+    from urdfcheck.source.xacro.expand import expand_xacro  # few models need it
+
     tried: set[tuple[str, str]] = set()
     for name, value in _iter_conditions(source, at):
         if (name, value) in tried or len(tried) == _MOST_TRIED or source.arguments.get(name) == value:

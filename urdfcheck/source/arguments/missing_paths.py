@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import difflib
 import os
 import re
 from pathlib import Path
@@ -44,6 +43,8 @@ def _find_similar_path(path: Path) -> Path | None:
 
 
 def _find_similar_name(name: str, folder: Path) -> str | None:
+    import difflib  # few names are misspelt
+
     try:
         with os.scandir(folder) as entries:
             names = [entry.name for _, entry in zip(range(_MOST_NAMES), entries, strict=False)]
