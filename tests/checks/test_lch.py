@@ -401,7 +401,11 @@ def test_a_generated_file_that_git_ignores_is_not_missing(tmp_path: Path, ignore
 
 @pytest.mark.parametrize(
     ("build", "told"),
-    [("install(DIRECTORY urdf DESTINATION share/car)", ["named"]), ("xacro_add_files(urdf/bot.urdf.xacro)", [])],
+    [
+        ("install(DIRECTORY urdf DESTINATION share/car)", ["named"]),
+        ("xacro_add_files(urdf/bot.urdf.xacro)", []),
+        ("make_model(urdf/bot.urdf.xacro)", []),
+    ],
 )
 def test_a_xacro_of_that_name_stands_for_a_missing_model_where_the_build_expands_it(
     tmp_path: Path, build: str, told: list[str]
@@ -571,6 +575,13 @@ def test_a_file_is_not_proposed_to_itself(tmp_path: Path) -> None:
         ("make.sh", "xacro urdf/cart.urdf.xacro > urdf/bus.urdf", True),
         ("CMakeLists.txt", "add_custom_command(OUTPUT ${CMAKE_BINARY_DIR}/cart.urdf COMMAND xacro)", False),
         ("CMakeLists.txt", "xacro_add_files(urdf/cart.urdf.xacro INSTALL)", False),
+        ("CMakeLists.txt", "set(x urdf/cart.urdf.xacro)\nbuild_and_install(${x})", False),
+        ("CMakeLists.txt", "file(GLOB x urdf/*.xacro)\nforeach(f ${x})\n  make_model(${f})\nendforeach()", False),
+        ("CMakeLists.txt", "file(GLOB_RECURSE x *.xacro)\nxacro_add_files(${x})", False),
+        ("CMakeLists.txt", "my_xacro(cart)", False),
+        ("CMakeLists.txt", "find_package(xacro)\nmy_xacro(bus)\nmy_function(cart)", True),
+        ("CMakeLists.txt", "# xacro_add_files(urdf/cart.xacro)\nxacro_add_files(urdf/bus.urdf.xacro)", True),
+        ("cmake/make.cmake", "foreach(r ${all})\n xacro_add_files(${r} OUTPUT ${r}.urdf)\nendforeach()", False),
         ("notes.txt", "xacro urdf/cart.urdf.xacro > urdf/cart.urdf", True),
     ],
 )
@@ -578,7 +589,7 @@ def test_a_file_is_not_proposed_to_itself(tmp_path: Path) -> None:
 def test_a_model_that_a_script_writes_is_known_after_it(
     tmp_path: Path, file: str, text: str, known: bool, language: str
 ) -> None:
-    if language == "python" and file == "CMakeLists.txt":
+    if language == "python" and file.lower().endswith((".txt", ".cmake")) and file != "notes.txt":
         return  # what the build of a Python launch file's package may make is not missing at all
     python = "d = get_package_share_directory('car')\np = join(d, 'urdf', 'cart.urdf')"
     files = {
@@ -1208,3 +1219,33 @@ def test_a_file_of_macros_is_not_proposed_as_a_model(tmp_path: Path, inside: str
     (finding,) = find_in_launch(tmp_path, body, "LCH001")
     assert ("did you mean" in finding.message) == bool(near)
     assert near in finding.message
+
+
+@pytest.mark.parametrize(
+    ("passed", "package", "found"),
+    [
+        ("", "car", {"launch/sensors.launch": "include-default"}),
+        ("my_", "car", {"launch/sensors.launch": "include-default", "launch/all.launch": "include-file"}),
+        ("", "bus", {"launch/sensors.launch": "include-file"}),
+        (None, "car", {"launch/sensors.launch": "include-file", "launch/all.launch": "include-file"}),
+    ],
+    ids=["it exists", "it does not", "of another package", "nothing is passed"],
+)
+def test_a_default_that_the_including_launch_file_replaces_is_judged_there(
+    tmp_path: Path, passed: str | None, package: str, found: dict[str, str]
+) -> None:
+    line = "" if passed is None else f'<arg name="who" value="{passed}"/>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "bus/package.xml": "<package><name>bus</name></package>",
+        "launch/sensors.launch": '<launch><arg name="who" default="arm_"/>'
+        '<include file="$(find car)/launch/$(arg who)manager.launch"/></launch>',
+        "launch/all.launch": f'<launch><include file="$(find {package})/launch/sensors.launch">{line}</include></launch>',
+        "launch/manager.launch": "<launch/>",
+    }
+    if package == "bus":
+        files["bus/launch/all.launch"] = files.pop("launch/all.launch")
+        files["bus/launch/sensors.launch"] = "<launch/>"
+    names = [name for name in files if name.endswith(("sensors.launch", "all.launch"))]
+    told = {name: [f.message_id for f in find(tmp_path, files, "LCH001", name=name)] for name in names}
+    assert {name: messages[0] for name, messages in told.items() if messages} == found

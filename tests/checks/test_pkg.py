@@ -443,6 +443,22 @@ def test_machine_path_is_told_once_whether_or_not_it_may_be_looked_at(tmp_path: 
     assert (finding.code, finding.message_id) == ("PKG004", "nowhere")
 
 
+@pytest.mark.parametrize(
+    ("typed", "message"),
+    [
+        ("file://posters/a.stl", "host"),
+        ("file://p/meshes/a.stl", "host"),
+        ("file://home/ann/a.stl", "unread"),
+        ("file://C:/robots/a.stl", "unread"),
+        ("file://localhost/home/ann/a.stl", "unread"),
+    ],
+)
+def test_a_folder_in_place_of_the_host_is_of_no_machine(tmp_path: Path, typed: str, message: str) -> None:
+    finding = only(audit(package(tmp_path), make_mesh_link("a", typed)))
+    assert (finding.code, finding.message_id) == ("PKG004", message)
+    assert ("machine" in finding.headline) == (message == "unread")
+
+
 def test_paths_of_one_machine_are_one_finding(tmp_path: Path) -> None:
     links = (make_mesh_link(f"l{n}", f"file:///usr/Ann/share/{n % 3}/{n}.mesh") for n in range(20))
     finding = only(audit(package(tmp_path), *links))
@@ -1286,22 +1302,29 @@ def test_what_cmake_installs(tmp_path: Path, cmake: str, told: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("load", "severity"),
-    [("$(find p)/urdf/car.xacro", Severity.WARNING), ("$(find p)/urdf/gone.xacro", Severity.ERROR)],
-    ids=["others are named", "it is named"],
+    ("load", "include", "is_used"),
+    [
+        ("$(find p)/urdf/car.xacro", "", False),
+        ("$(find p)/urdf/gone.xacro", "", True),
+        ("$(find p)/urdf/car.xacro", '<!-- <xacro:include filename="gone.xacro"/> -->', False),
+        ("$(find p)/urdf/car.xacro", '<xacro:include filename="gone.xacro"/>', True),
+        ("$(find p)/urdf/car.xacro", '<xacro:include filename="${part}.xacro"/>', True),
+    ],
+    ids=["others are named", "it is named", "it is named in a comment", "it is included", "the name is computed"],
 )
-def test_a_file_that_none_names_and_that_lacks_a_package_is_a_warning(
-    tmp_path: Path, load: str, severity: Severity
+def test_a_file_that_none_names_and_that_lacks_a_package_is_a_note(
+    tmp_path: Path, load: str, include: str, is_used: bool
 ) -> None:
     lacking = f'<robot name="r" {XACRO}><xacro:include filename="$(find gone_parts)/a.xacro"/></robot>'
     files = {
         "package.xml": manifest(),
         "urdf/gone.xacro": lacking,
-        "urdf/car.xacro": f'<robot name="c" {XACRO}><link name="b"/></robot>',
-        "launch/car.launch": f"<launch><param name='robot_description' command='xacro {load}'/></launch>",
+        "urdf/car.xacro": f'<robot name="c" {XACRO}><link name="b"/>{include}</robot>',
+        "launch/car.launch": f"<launch><!-- gone.xacro --><param name='robot_description' command='xacro {load}'/></launch>",
     }
     finding = only(check(write(tmp_path, files) / "urdf/gone.xacro", codes={"PKG001"}))
-    assert (finding.message_id, finding.severity) == ("expansion", severity)
+    wanted = ("expansion", Severity.ERROR) if is_used else ("expansion-aside", Severity.INFO)
+    assert (finding.message_id, finding.severity, finding.blocks_check) == (*wanted, True)
 
 
 @pytest.mark.parametrize(
@@ -2069,3 +2092,38 @@ def test_joints_alone_are_no_robot(tmp_path: Path) -> None:
     write(tmp_path, {"joints.xacro": HEAD.format("") + joint, "r.xacro": HEAD.format(' name="r"') + joint})
     assert not check(tmp_path / "joints.xacro", codes={"XAC010"}).findings
     assert only(check(tmp_path / "r.xacro", codes={"XAC010"})).code == "XAC010"
+
+
+@pytest.mark.parametrize(
+    ("before", "condition", "base", "told"),
+    [
+        ("", '<xacro:if value="$(arg base)">', "", "`--arg base:=false`, which skips this include"),
+        ("", '<xacro:unless value="$(arg base)">', "", "`--arg base:=true`, which skips this include"),
+        ('<xacro:property name="b" value="$(arg base)"/>', '<xacro:if value="${b}">', "", "`--arg base:=false`"),
+        ("", '<xacro:if value="$(arg base)">', '<xacro:include filename="base.xacro"/>', "`--arg base:=false`"),
+        ("${gone}", '<xacro:if value="$(arg base)">', "", ""),
+        ("", '<xacro:if value="${1 == 1}">', "", ""),
+    ],
+    ids=["if", "unless", "by a property", "around the include of the file", "it stops all the same", "no argument"],
+)
+@pytest.mark.parametrize("declared", ["", "<exec_depend>gone</exec_depend>"])
+def test_an_argument_that_skips_the_include_of_a_missing_package(
+    tmp_path: Path, before: str, condition: str, base: str, told: str, declared: str
+) -> None:
+    lacking = '<xacro:include filename="$(find gone)/a.xacro"/>'
+    default = "false" if "unless" in condition else "true"
+    end = f"</{condition[1:].split()[0]}>"
+    arg = f'<xacro:arg name="base" default="{default}"/>'
+    # What comes after the include is not read where the expansion stops.
+    body = f'{arg}{before if "property" in before else ""}{condition}{base or lacking}{end}<link name="l"/>'
+    body += f'<joint name="{before}"/>' if "gone" in before else ""
+    files = {
+        "package.xml": f"<package><name>p</name>{declared}</package>",
+        "urdf/r.xacro": f'<robot name="r" {XACRO}>{body}</robot>',
+        "urdf/base.xacro": f"<robot {XACRO}>{lacking}</robot>",
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/r.xacro", codes={"PKG001"}))
+    assert finding.message_id == ("expansion-declared" if declared else "expansion")
+    assert finding.fix is not None
+    assert told in finding.fix.title
+    assert ("--arg" in finding.fix.title) == bool(told)

@@ -67,6 +67,28 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
     assert "INR003" in done.stdout
 
 
+@pytest.mark.usefixtures("one_process")
+@pytest.mark.parametrize(
+    ("typed", "says"),
+    [
+        ("urdf/robt.urdf.xacro", "does not exist (did you mean 'urdf/robot.urdf.xacro'?)"),
+        ("urfd/robot.urdf.xacro", "does not exist (did you mean 'urdf/robot.urdf.xacro'?)"),
+        ("urdf/Robot.urdf.xacro", "does not exist (did you mean 'urdf/robot.urdf.xacro'?)"),
+        ("urdf/a.urdf", "does not exist"),
+        ("nowhere/robot.urdf.xacro", "does not exist"),
+        ("load_base:=false", "does not exist; write `--arg load_base:=false` for an argument of xacro"),
+        ("name:=a b", "does not exist; write `--arg 'name:=a b'` for an argument of xacro"),
+    ],
+)
+def test_what_a_path_that_does_not_exist_was_meant_for(tmp_path: Path, typed: str, says: str) -> None:
+    (tmp_path / "urdf").mkdir()
+    for name in ("robot.urdf.xacro", "b.urdf"):
+        (tmp_path / "urdf" / name).write_text(SOUND)
+    done = urdfcheck(typed, cwd=tmp_path)
+    assert done.returncode == cli.FAILED
+    assert f"not checked: {typed}: {says} ⊘" in " ".join(done.stdout.split())
+
+
 @pytest.mark.parametrize(
     ("words", "says"),
     [
@@ -386,6 +408,9 @@ def test_an_argument_that_no_model_declares_is_told(tmp_path: Path) -> None:
     )
     assert urdfcheck(*quick, "--arg", "length:=2", cwd=tmp_path).stderr == "", "one declares it"
     (tmp_path / "b.urdf.xacro").write_text(xacro.format("${1 +}"))
+    told = "urdfcheck: --arg lenght: not declared in what was read before the expansion stopped; did you mean length?\n"
+    assert urdfcheck(*quick, "--arg", "lenght:=2", cwd=tmp_path).stderr == told
+    (tmp_path / "b.urdf.xacro").write_text("<robot")
     assert urdfcheck(*quick, "--arg", "lenght:=2", cwd=tmp_path).stderr == "", "what b declares is unknown"
     (tmp_path / "b.urdf.xacro").write_text(xacro.format('<link name="$(arg side)"/>'))
     assert urdfcheck(*quick, "--arg", "side:=left", cwd=tmp_path).stderr == "", "it is read without a declaration"

@@ -288,3 +288,25 @@ def test_of_test_data_only_errors_are_reported(
     assert bool(notes) == (not options and not config)
     named = json.loads(command("tests/r.urdf", *common, cwd=tmp_path).stdout)["findings"]
     assert {f["severity"] for f in named if f["code"] == "PKG004"} == {"warning" if config else "error"}
+
+
+@pytest.mark.parametrize("place", ["old/r.urdf", "r_old.urdf"])
+@pytest.mark.parametrize("text", [None, "<robot name='r'><link></robot>"], ids=["an error", "not XML"])
+def test_of_a_model_that_is_kept_aside_only_what_stops_its_check_is_reported(
+    tmp_path: Path, place: str, text: str | None
+) -> None:
+    broken = robot(link("base", inertial(1, 0.1)), link("arm", inertial(-1, 0.1)), joint("j", "base", "arm"))
+    (tmp_path / place).parent.mkdir(exist_ok=True)
+    (tmp_path / place).write_text(text or broken, encoding="utf-8")
+    (tmp_path / "used.urdf").write_text('<robot name="r"><link name="l"/></robot>', encoding="utf-8")
+    common = ("--format", "json", "--tier", "source")
+    given = ([".", *common], [".", *common, "-v"], [place, *common])
+    plain, asked, named = (command(*arguments, cwd=tmp_path) for arguments in given)
+    run = json.loads(plain.stdout)
+    assert [f["code"] for f in run["findings"] if f["severity"] == "error"] == ([] if text is None else ["XML001"])
+    left_out = [skip["model"] for skip in run["skipped"] if skip["code"] == SkippedCheck.FINDINGS]
+    assert left_out == [place] * (text is None)
+    assert (plain.returncode, named.returncode) == (int(text is not None), 1)
+    if text is None:
+        found = [f["severity"] for f in json.loads(asked.stdout)["findings"] if f["code"] == "INR002"]
+        assert found == ["info"]

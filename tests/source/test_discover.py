@@ -184,6 +184,7 @@ def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str
     plan = planned(".")
     found = {t.path.as_posix(): t.is_test_data for t in (*plan.models, *plan.candidates)}
     assert found["p/test/data/r.urdf"] == is_test_data
+    assert not any(target.is_kept_aside for target in plan.models)
     assert not found["p/urdf/q.urdf"]
     for given in ("p/test/data", "p/test/data/r.urdf"):
         assert not any(target.is_test_data for target in planned(given).models)
@@ -199,15 +200,20 @@ def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str
         ("LEGACY_URDF/r.urdf", {}, True),
         ("urdf/q_ori.urdf", {}, True),
         ("urdf/q_ori.urdf", {"p/launch/a.launch.py": "'urdf/q_ori.urdf'"}, False),
+        ("urdf/q_ori.urdf", {"p/launch/a.launch": "<launch><!-- urdf/q_ori.urdf --></launch>"}, True),
         ("urdf/other_ori.urdf", {}, False),
+        ("urdf/other-old.urdf", {}, True),
+        ("other-old.urdf", {}, False),
     ],
 )
 def test_a_model_that_is_kept_and_not_used_is_like_test_data(
     workspace: Path, place: str, files: dict[str, str], is_aside: bool
 ) -> None:
     write(workspace, {"p/package.xml": manifest("p"), f"p/{place}": URDF, "p/urdf/q.urdf": URDF, **files})
-    found = {target.path.as_posix(): target.is_test_data for target in planned(".").models}
-    assert found == {f"p/{place}": is_aside, "p/urdf/q.urdf": False}
+    targets = planned(".").models
+    assert {target.path.as_posix() for target in targets} == {f"p/{place}", "p/urdf/q.urdf"}
+    assert [t.path.as_posix() for t in targets if t.is_test_data and t.is_kept_aside] == [f"p/{place}"] * is_aside
+    assert not [target for target in targets if target.is_test_data != target.is_kept_aside]
 
 
 @pytest.mark.parametrize(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
@@ -23,6 +24,7 @@ from urdfcheck.source.launch.around.meant_files import (
     may_be_declared,
     takes_arguments,
 )
+from urdfcheck.source.launch.around.passing_files import find_passing_files
 from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
@@ -41,7 +43,8 @@ from urdfcheck.source.package.similar_files import add_checkout, index_files, no
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import describe_declaration, find_dependent
 from urdfcheck.source.text.tokens import locate_text
-from urdfcheck.source.text.xml import Element
+from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.system.files import read_text_or_nothing
 
 # The characters of a command that a message shows.
 _SHOWN = 80
@@ -53,6 +56,7 @@ _SRDF = "SRDF"
 # What means the same whatever the arguments are.
 _OTHER = re.compile(r"\$\((?:find|find-pkg-share|dirname)\b[^()$]*\)")
 _SUBSTITUTION = re.compile(r"\$\([^()]*\)")
+_READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
@@ -129,7 +133,9 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
             is_possible = can_be_included(path, name, including, launch.finder)
             return is_possible and takes_arguments(path, include, launch.finder, is_ros2=is_ros2)
 
-        yield rule.finding("include-file", at=at, path=name, **_describe_neighbours(name, launch.finder, is_right))
+        beside = _describe_neighbours(name, launch.finder, is_right)
+        replaced = _find_replaced_default(launch, at)
+        yield rule.finding(f"include-{'default' if replaced else 'file'}", at=at, path=name, **beside, **replaced)
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
@@ -144,6 +150,34 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
                 near=near,
                 repair=_describe_argument_repair(include, near, launch.finder),
             )
+
+
+def _find_replaced_default(launch: Launch, path: Attribute) -> dict[str, Any]:
+    """Return an argument of a launch file in whose path another one that includes it puts a value, with that file; else
+    nothing.
+
+    What the other one passes is judged where it is launched itself.
+    """
+    if path.span is None or path.span.file != launch.name:
+        return {}
+    declared = {argument.get("name") for argument in launch.arguments if "default" in argument.attributes}
+    for argument in _READ.findall(path.value):
+        callers = find_passing_files(launch, argument) if argument in declared else []
+        others = [caller for caller in callers if _may_include(caller, launch)]
+        if others:
+            return {"argument": argument, "caller": others[0].name, "severity": Severity.INFO}
+    return {}
+
+
+def _may_include(caller: Path, launch: Launch) -> bool:
+    """Whether another launch file that includes one of this name means this one: it is in its package, or names that."""
+    own, package = launch.package, launch.finder.find_package_of(caller.absolute())
+    if os.path.realpath(caller) == os.path.realpath(launch.path):
+        return False
+    if own is None or (package is not None and package.path == own.path):
+        return True
+    named = re.compile(rf"\bfind(?:-pkg-share)?\s+{re.escape(own.name)}\s*\)")
+    return named.search(read_text_or_nothing(caller)) is not None
 
 
 def _describe_argument_repair(include: BrokenInclude, near: str, finder: PackageFinder) -> str:
@@ -217,7 +251,8 @@ def _check_description(
     elif obstacle.kind == "file":
         is_right = partial(makes_robot, finder=launch.finder)
         beside = _describe_neighbours(obstacle.name, launch.finder, is_right, is_expanded=description.uses_xacro)
-        yield rule.finding("file", at=at, path=obstacle.name, **beside)
+        replaced = _find_replaced_default(launch, description.at)
+        yield rule.finding("file-default" if replaced else "file", at=at, path=obstacle.name, **beside, **replaced)
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     else:

@@ -23,7 +23,7 @@ from urdfcheck.source.launch.static_transforms import StaticTransform
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
-from urdfcheck.system.files import FileTooLargeError, read_regular, walk
+from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
 
 # Numbers that were rounded differ by less: degrees and metres.
 _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
@@ -31,6 +31,10 @@ _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 # What else is not a use of its frame: the line itself in another launch file of the exporter, and a comment.
 _NO_USE = re.compile(r"base_link\s+base_footprint\b|<!--.*?-->", re.DOTALL)
+_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# The model that a launch file hands to Gazebo as a file, and what of a model may publish odometry.
+_SPAWNED = re.compile(r"(?<![\w-])-file\s+\$\(find\s+([\w.-]+)\s*\)/([^\s$\"'<>]+\.(?:urdf|xacro))\b", re.IGNORECASE)
+_ODOMETRY = re.compile(r"odom|drive|footprint", re.IGNORECASE)
 # The files that name frames: of a project with more of them, or with larger ones, it is not known what they name.
 _NAMING = (".launch", ".xml", ".py", ".yaml", ".yml", ".urdf", ".xacro", ".rviz", ".cpp", ".lua", ".sdf", ".gazebo")
 _MOST_FILES, _LARGEST = 500, 500_000
@@ -144,9 +148,10 @@ def _check_footprint(
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
     # A drive plugin publishes odom → base_footprint unless it is told another frame.
     drives = model is not None and any(True for _ in list_drive_plugins(model))
-    if exported and not drives and not _is_frame_used(launch, transform.child):
+    is_foreign = exported and model is None and _lacks_frames(launch, transform)
+    if is_foreign or (exported and not drives and not _is_frame_used(launch, transform.child)):
         yield rule.finding(
-            "footprint-unused",
+            "footprint-foreign" if is_foreign else "footprint-unused",
             at=transform.at,
             cause="solidworks-exporter",
             severity=Severity.INFO,
@@ -183,6 +188,22 @@ def _check_footprint(
         ),
         **common,
     )
+
+
+def _lacks_frames(launch: Launch, transform: StaticTransform) -> bool:
+    """Whether the only model that the launch file hands to Gazebo as a file has neither frame, and publishes no odometry."""
+    places = {place.groups() for file in launch.files.values() for place in _SPAWNED.finditer(file.text)}
+    if len(places) != 1:
+        return False
+    package, inside = places.pop()
+    folder = launch.finder.find(package)
+    path = None if folder is None else folder / inside
+    if path is None or not launch.finder.can_open(path) or not path.is_file():
+        return False
+    text = _COMMENT.sub("", read_text_or_nothing(path, _LARGEST))
+    has_parts = "<link" in text and "<xacro:" not in text
+    is_named = any(f'"{name}"' in text or f"'{name}'" in text for name in (transform.parent, transform.child))
+    return has_parts and not is_named and _ODOMETRY.search(text) is None
 
 
 def _is_frame_used(launch: Launch, frame: str) -> bool:

@@ -10,9 +10,10 @@ from dataclasses import replace
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
-from urdfcheck.core.text import format_count, join_names
+from urdfcheck.core.text import format_argument_option, format_count, join_names
+from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -39,7 +40,7 @@ from urdfcheck.source.uses_elsewhere import (
     explain_kept_file,
     find_deploying_script,
     is_certainly_left_aside,
-    is_named_nowhere,
+    is_unused,
 )
 from urdfcheck.system.files import FileTooLargeError, read_regular, walk
 
@@ -50,8 +51,8 @@ _LEAST_FILES = 3
 # The messages about models that are right somewhere else.
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
-    *("files-kept", "files-model"),
-    *("expansion-declared", "expansion-inside", "expansion-rosbuild"),
+    *("files-gazebo", "files-kept", "files-model"),
+    *("expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
 # What a file is of which no program of the robot needs the meshes, by what says so.
 _KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
@@ -62,11 +63,7 @@ _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)"
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("package-not-found"):
         package = str(problem.data["package"])
-        finding = _build_finding(source, rule, package, at=problem.location, related=problem.related)
-        # No program loads a file that none names where the others name other models, as in XAC001.
-        is_aside = finding.message_id == "expansion" and not source.is_part and is_named_nowhere(source)
-        is_aside = is_aside and (is_certainly_left_aside(source) or explain_kept_file(source) == KEPT_ASIDE)
-        yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_aside else finding
+        yield _build_finding(source, rule, package, at=problem.location, related=problem.related)
     missing: dict[str, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
         if use.resource.package is not None and use.resource.path is None and not is_misspelt(use, source):
@@ -118,12 +115,17 @@ def _build_finding(
         else kind
     )
     clone = _find_rosbuild_folder(source, package, at)
+    # No program loads a file that none names where the others name other models, as in XAC001.
+    if message == "expansion" and (is_unused(source) or explain_kept_file(source) == KEPT_ASIDE):
+        message = "expansion-aside"
     is_lost = message in {"files", "expansion"} and not near and not here and not checkout
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
     is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
     is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
+    is_found_by_gazebo = is_lost and message == "files" and source.package is None and bool(uses)
+    gazebo_model = _find_gazebo_model(source, package, files) if is_found_by_gazebo else None
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
         message = "expansion-rosbuild"
     elif inside:
@@ -132,6 +134,8 @@ def _build_finding(
         message = "files-part"
     elif is_of_gazebo and package and message in {"files", "files-aside"}:
         message = "files-model"
+    elif gazebo_model is not None:
+        message = "files-gazebo"
     elif kept:
         message = "files-kept"
     # The meshes of a declared package are missing only until it is installed.
@@ -155,6 +159,9 @@ def _build_finding(
         repair = _describe_rosbuild_repair(source, package, clone)
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
+    if kind == "expansion" and clone is None:
+        skipping = find_skipping_argument(source, at)
+        repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
     finding = rule.finding(
         message,
         at=at,
@@ -174,7 +181,7 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
-        folder="" if clone is None else clone.name,
+        folder=format_path(gazebo_model) if gazebo_model is not None else "" if clone is None else clone.name,
         inside=inside,
         script="" if script is None else script.name,
         kept=kept,
@@ -191,13 +198,27 @@ def _build_finding(
         + named_by,
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
-    is_blocked = message in {"expansion-declared", "expansion-inside", "expansion-rosbuild"}
+    is_blocked = message in {"expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"}
     return replace(finding, blocks_check=True) if is_blocked else finding
 
 
 def _names_gazebo_model(use: ResourceUse) -> bool:
     """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
     return use.resource.text.lower().startswith("model://")
+
+
+def _find_gazebo_model(source: Source, package: str, files: Sequence[str]) -> Path | None:
+    """Return the folder of a model of Gazebo in the project that has the name of a package and all files at their paths in it.
+
+    Gazebo and iDynTree look for a package there: in the folders of GAZEBO_MODEL_PATH.
+    """
+    wanted = [get_path_in_package(file, package) for file in files]
+    for here, names, found in walk(find_project_folder(source.path.absolute())):
+        names[:] = [name for name in names if not name.startswith(".")]
+        folder = Path(here)
+        if folder.name == package and "model.config" in found and _has_all_files(folder, wanted, source):
+            return folder
+    return None
 
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:

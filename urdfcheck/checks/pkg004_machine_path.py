@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
@@ -44,6 +45,8 @@ _KINDS = {
     "file": ("a file:// path", "file:// paths"),
     "home": ("a path in the home folder", "paths in the home folder"),
 }
+# A file:// URI with a folder where the name of a machine belongs. `file://C:/` names a drive, `file://home/ann` lacks a slash.
+_HOST = re.compile(r"file://(?!(?:localhost|home|mnt|media|opt|root|tmp|usr|Users|var|workspaces?)/)([^/\\:~$]+)/")
 # Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
 # A released name of one word (robot, urdf) is as often a folder of another kind.
@@ -74,6 +77,8 @@ def _find_place(use: ResourceUse) -> tuple[object, ...]:
 
 
 def _choose_message(use: ResourceUse) -> str:
+    if _HOST.match(use.resource.text):
+        return "host"
     if _find_installed_path(use) and str(use.resource.path).startswith(_RELEASED):
         return "installed"
     return "unread" if not use.resource.allowed else "here-only" if use.resource.exists else "nowhere"
@@ -84,7 +89,8 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     portable = [_build_portable_path(use, source) for use in place.uses]
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
     message = _choose_message(first)
-    is_lost = message == "nowhere" or (message == "installed" and not first.resource.exists)
+    host = _HOST.match(first.resource.text)
+    is_lost = message in {"host", "nowhere"} or (message == "installed" and not first.resource.exists)
     return rule.finding(
         message,
         at=place.location,
@@ -102,6 +108,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         file=first.resource.text,
         files=files,
         listed=join_names(files, 2),
+        host="" if host is None else host[1],
         kind=_KINDS[first.resource.kind][len(files) > 1],
         amount=format_count(len(files), "file is", "files are"),
         repair=_describe_repair(message, place, portable, source),

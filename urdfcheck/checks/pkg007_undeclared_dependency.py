@@ -30,8 +30,9 @@ from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
 from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
-from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.system.files import read_regular
+from urdfcheck.source.text.remembered import text_fact
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.system.files import read_regular, read_text_or_nothing
 
 _EXAMPLE_FOLDERS = frozenset({"example", "examples"})
 # PKG001 reports unknown packages that other files name.
@@ -386,13 +387,31 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
-    """Whether the file that names a package is kept in a folder of what is no longer used, or is an example.
+    """Whether the file that names a package is kept in a folder of what is no longer used, is an example, or is a launch file
+    that no program can read.
 
     An example may need more than the package does.
     """
     if not _EXAMPLE_FOLDERS.isdisjoint(folder.lower() for folder in _list_folders(use, package)):
         return True
-    return use.location.span is not None and is_kept_aside(Path(use.location.span.file), package.path)
+    if use.location.span is None:
+        return False
+    file = Path(use.location.span.file)
+    return is_kept_aside(file, package.path) or (_are_in_launch_files([use]) and _is_malformed(file))
+
+
+def _is_malformed(launch: Path) -> bool:
+    """Whether a launch file in XML is not well-formed: nothing in it is checked (XML001), and no program starts it."""
+    return launch.suffix != ".py" and not _is_well_formed(read_text_or_nothing(launch))
+
+
+@text_fact
+def _is_well_formed(text: str) -> bool:
+    try:
+        parse_xml(SourceFile(Path(), "", text=text))
+    except XmlError:
+        return False
+    return True
 
 
 def _is_stray(use: PackageMention, package: Package, install: InstallRules | None) -> bool:

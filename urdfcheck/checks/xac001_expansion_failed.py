@@ -48,7 +48,7 @@ from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_nowhere
+from urdfcheck.source.uses_elsewhere import is_unused
 from urdfcheck.source.xacro.file_contents import has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -404,7 +404,7 @@ def _is_orphan(source: Source) -> bool:
 
 def _is_unused(source: Source) -> bool:
     """Whether a file is such a piece, or no file names it where the others of its package name other models."""
-    return _is_orphan(source) or (not source.is_part and is_named_nowhere(source) and is_certainly_left_aside(source))
+    return _is_orphan(source) or is_unused(source)
 
 
 def _describe_include(failure: _ExpansionFailure, files: Sequence[str], otherwise: str, clause: str = "") -> str:

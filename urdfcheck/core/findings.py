@@ -280,7 +280,9 @@ class SkippedCheck:
     """What takes the place of a rule's code where a launch file was checked without the model that it loads."""
     WARNINGS: ClassVar[str] = "the list of warnings"
     """What takes that place where only the errors of a model are reported."""
-    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL, WARNINGS})
+    FINDINGS: ClassVar[str] = "the list of errors and warnings"
+    """What takes that place where nothing is reported of a model but why it cannot be checked."""
+    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL, WARNINGS, FINDINGS})
     """What takes that place where something was not checked by any rule."""
 
     code: str

@@ -147,6 +147,8 @@ class Run:
     """Whether the run was interrupted."""
     undeclared_arguments: Mapping[str, str] = field(default_factory=dict)
     """Arguments of the request that no model declares, each with the name of one that resembles it, or nothing."""
+    has_unread_declarations: bool = False
+    """Whether the expansion of a model stopped, so that these are not declared in what was read."""
     fail_on: Mapping[str, str] = field(default_factory=dict)
     """Model id → least severity of a finding that fails the run, where a configuration sets it."""
     baselines: frozenset[str] = frozenset()

@@ -38,17 +38,18 @@ def split_unrequested(
 
 
 def split_for_tests(
-    findings: Iterable[Finding], *, unrequested: frozenset[str], graded: AbstractSet[str]
+    findings: Iterable[Finding], *, unrequested: frozenset[str], graded: AbstractSet[str], keeps_errors: bool = True
 ) -> tuple[list[Finding], list[Finding]]:
     """Do the same for the findings of a model that is data of tests, of which all but errors are notes on request.
 
-    So are errors of what a test does not need: it runs where the file is, and reads of it what it asks for. ``graded``: codes
-    whose severity is given.
+    So are errors of what a test does not need: it runs where the file is, and reads of it what it asks for; and all errors of a
+    model that is kept and not used (``keeps_errors``). What stops the check of a model stays. ``graded``: codes whose severity is
+    given.
     """
     reported: list[Finding] = []
     left_out: list[Finding] = []
     for finding in findings:
-        is_error = finding.severity == Severity.ERROR and finding.code not in _OF_ANOTHER_PLACE
+        is_error = keeps_errors and finding.severity == Severity.ERROR and finding.code not in _OF_ANOTHER_PLACE
         if is_error or finding.suppressed is not None or finding.blocks_check or finding.code in graded:
             reported.append(finding)
         else:

@@ -28,6 +28,8 @@ class Policy:
     """Whether notes that are warnings for a pedantic reader are warnings (`Rule.pedantic`)."""
     is_for_tests: bool = False
     """Whether the model is data of tests: of these, only errors are reported that hold wherever the file is read."""
+    is_kept_aside: bool = False
+    """Whether it is such a model because it is kept and not used: of these, errors are not reported either."""
     kinematics_only: bool = False
     """Whether findings about masses, inertias and forces alone are left out (`Rule.dynamics`)."""
     tier: str = "full"

@@ -88,6 +88,7 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
             if unit.policy is not None and unit.policy.targets != request.policy.targets
         },
         undeclared_arguments=_collect_undeclared_arguments(request, audited_units),
+        has_unread_declarations=any(report.is_read_in_part for unit, report in audited_units if unit.kind == "model"),
         fail_on={unit.id: unit.fail_on for unit in units if unit.fail_on is not None},
         baselines=frozenset(format_path(known.path) for known, _ in baselines),
         unused_macro_files=unused_macro_files,

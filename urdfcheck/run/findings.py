@@ -66,8 +66,9 @@ class FinalFindings:
     """Rules of which more findings were reported than the report lists."""
 
 
-# What a report says of models that are data of tests, or are kept and not used.
-_FOR_TESTS = "of test data and of files kept aside only errors are reported; name the file to see all"
+# What a report says of models that are data of tests, and of those that are kept and not used.
+_FOR_TESTS = "of test data only errors are reported; name the file to see all"
+_KEPT_ASIDE = "nothing is reported of old copies and of files kept in folders such as `old`; name the file to see all"
 
 
 def finalize_unit_findings(
@@ -120,7 +121,9 @@ def finalize_unit_findings(
         for finding in remaining
         for code in list_held_back(finding)
     ]
-    if policy.is_for_tests and unrequested:
+    if policy.is_kept_aside and unrequested:
+        skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _KEPT_ASIDE, is_partial=True))
+    elif policy.is_for_tests and unrequested:
         skips.append(SkippedCheck(SkippedCheck.WARNINGS, unit.id, _FOR_TESTS, is_partial=True))
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)
     skips += explain_left_out(
@@ -225,7 +228,8 @@ def _split_unrequested(
 ) -> tuple[list[Finding], list[Finding]]:
     unasked = frozenset() if policy.pedantic else policy.unrequested
     if policy.is_for_tests and not policy.pedantic:
-        return split_for_tests(findings, unrequested=unasked, graded=policy.severities.keys())
+        graded = policy.severities.keys()
+        return split_for_tests(findings, unrequested=unasked, graded=graded, keeps_errors=not policy.is_kept_aside)
     return split_unrequested(findings, rules, unrequested=unasked, targets=policy.targets)
 
 

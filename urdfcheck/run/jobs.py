@@ -248,3 +248,5 @@ class UnitReport:
     undeclared: Mapping[str, str] | None = None
     """Arguments that were given and that the model does not declare, each with the name of a declared one that resembles it, if
     any; None where what it declares is unknown."""
+    is_read_in_part: bool = False
+    """Whether the expansion stopped, so that what the model declares after that is unknown."""

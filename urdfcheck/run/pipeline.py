@@ -482,7 +482,8 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
     find_baseline = _make_baseline_lookup(request)
     resolve = functools.cache(lambda path: _resolve_settings(path, plan.configs.get(path), request))
     counts = Counter(unit.id for unit in units)
-    test_data = {str(target.path) for target in (*plan.models, *plan.candidates) if target.is_test_data}
+    targets = (*plan.models, *plan.candidates)
+    test_data = {str(target.path): target.is_kept_aside for target in targets if target.is_test_data}
     configured = [
         _apply_config(
             unit,
@@ -495,7 +496,10 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         for unit in units
     ]
     return [
-        replace(unit, policy=replace(unit.policy or request.policy, is_for_tests=True))
+        replace(
+            unit,
+            policy=replace(unit.policy or request.policy, is_for_tests=True, is_kept_aside=test_data[unit.path]),
+        )
         if unit.kind == "model" and unit.path in test_data
         else unit
         for unit in configured

@@ -545,6 +545,7 @@ class _UnitAudit:
             role=self.role,
             other_environments=tuple(self.other_environments),
             undeclared=None if self.source is None else _find_undeclared_arguments(self.source),
+            is_read_in_part=self.source is not None and self.source.root is None,
         )
 
     def find_xacro_sources(self, names: Iterable[str]) -> dict[str, str]:
@@ -610,7 +611,7 @@ def list_simulated_rules() -> tuple[str, ...]:
 
 def _find_undeclared_arguments(source: Source) -> dict[str, str] | None:
     """Return what :attr:`UnitReport.undeclared` holds."""
-    if source.root is None:
+    if source.root is None and not (source.is_xacro and source.trees):
         return None
     elements = iter_elements_by_tag(source.trees, "xacro:arg") if source.is_xacro else ()
     declared = {name for element in elements if (name := element.get("name")) is not None}

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from urdfcheck.core.errors import UrdfcheckError
 from urdfcheck.core.text import truncate_text
+from urdfcheck.source.arguments.missing_paths import explain_missing_path
 from urdfcheck.source.folder_index import FolderIndex, FoundModel, explain_unreadable, resolve_path
 from urdfcheck.source.model_file import find_placeholder, is_blank, is_foreign_launch
 from urdfcheck.source.package.file_kinds import (
@@ -174,7 +175,7 @@ class _Planner:
             elif path.exists():
                 self.missing.append((str(path), "is neither a file nor a folder"))
             else:
-                self.missing.append((str(path), "does not exist"))
+                self.missing.append((str(path), explain_missing_path(path)))
         except OSError as error:
             self.missing.append((str(path), error.strerror or str(error)))
         except UrdfcheckError as error:
@@ -193,7 +194,9 @@ class _Planner:
         passed_over = {**_find_dead_files(folder, launches), **_find_templates(folder, launches)}
         for found in folder.found_models:
             if found.path not in passed_over:
-                self.add_found_model(found, is_test_data=folder.is_test_data(found.path))
+                is_test_data = folder.is_test_data(found.path)
+                is_kept_aside = is_test_data and folder.is_kept_aside(found.path)
+                self.add_found_model(found, is_test_data=is_test_data, is_kept_aside=is_kept_aside)
         for candidate in folder.candidates:
             if candidate.path not in passed_over:
                 self.add_found_model(candidate, is_spare=True)
@@ -222,7 +225,14 @@ class _Planner:
             if resolve_path(path) not in self.models and self.is_usable(path, named=False):
                 self.left_out.append((format_path(path), f"left out{reason}; name it to check it"))
 
-    def add_found_model(self, found: FoundModel, *, is_spare: bool = False, is_test_data: bool = False) -> None:
+    def add_found_model(
+        self,
+        found: FoundModel,
+        *,
+        is_spare: bool = False,
+        is_test_data: bool = False,
+        is_kept_aside: bool = False,
+    ) -> None:
         """Add a file that was found in a folder."""
         if self.is_usable(found.path, named=False):
             self.add_model(
@@ -233,6 +243,7 @@ class _Planner:
                     is_part=found.is_part,
                     is_spare=is_spare,
                     is_test_data=is_test_data,
+                    is_kept_aside=is_kept_aside,
                 )
             )
 
@@ -376,7 +387,7 @@ class _Planner:
         for entry in entries:
             name = "" if self.arguments else entry.name or ""  # with other arguments it is another model
             arguments = {**entry.arguments, **self.arguments}
-            self.add_target(replace(target, arguments=arguments, name=name, is_test_data=False))
+            self.add_target(replace(target, arguments=arguments, name=name, is_test_data=False, is_kept_aside=False))
         if not entries:
             self.add_target(target)
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names, find_nearest_name
 from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
-from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names, may_compute_name
+from urdfcheck.source.model_file import EXPRESSION, XML_COMMENT, ModelFile, find_file_names, may_compute_name
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import (
@@ -26,6 +26,7 @@ from urdfcheck.source.package.package_folders import (
     TEST_FOLDERS,
     get_used_name,
     is_aside_folder,
+    is_old_state,
     iter_package_texts,
     read_package_texts,
 )
@@ -221,21 +222,40 @@ class FolderIndex:
         return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
 
     def is_test_data(self, path: Path) -> bool:
-        """Whether a file is in a folder of tests, or of files that are kept and not used, below this one, or is an old copy of
-        one beside it, and no file outside such folders includes it or names it."""
-        is_aside = self._is_in_tests(path) or self._is_kept_copy(path)
-        return is_aside and path.name not in self._names_outside_tests
+        """Whether a file is in a folder of tests, or is kept and not used, and no file outside such folders includes or names
+        it."""
+        return (self._is_in_tests(path) or self._is_kept_copy(path)) and path.name not in self._names_outside_tests
+
+    def is_kept_aside(self, path: Path) -> bool:
+        """Whether a file is in a folder of files that are kept and not used below this one, or is an old copy of one beside it;
+        files in folders of tests aside, which tests may read."""
+        is_kept = self._is_kept_copy(path) or self._is_in_folder(path, is_aside_folder)
+        return is_kept and not self._is_in_folder(path, _is_test_folder)
 
     def _is_kept_copy(self, path: Path) -> bool:
-        """Whether a name says that the file is an old copy of a model beside it: ``arm_ori.urdf`` of ``arm.urdf``."""
+        """Whether a name says that the file is an old copy of a model beside it: ``arm_ori.urdf`` of ``arm.urdf``.
+
+        ``arm_old.urdf`` is an old state, too, where ``arm.urdf`` has another name now.
+        """
         used = get_used_name(path.name)
-        return bool(used) and path.with_name(used) in self.files
+        if not used:
+            return False
+        return path.with_name(used) in self.files or (path.parent in self._robot_folders and is_old_state(path.name))
+
+    @cached_property
+    def _robot_folders(self) -> frozenset[Path]:
+        """The folders with a whole robot whose name does not say that it is an old copy."""
+        robots = (model.path for model in self.found_models if not model.is_part)
+        return frozenset(path.parent for path in robots if not get_used_name(path.name))
 
     def _is_in_tests(self, path: Path) -> bool:
+        return self._is_in_folder(path, _is_test_folder) or self._is_in_folder(path, is_aside_folder)
+
+    def _is_in_folder(self, path: Path, is_such: Callable[[str], bool]) -> bool:
+        """Whether a file is in a folder with such a name below this one."""
         inside = path.relative_to(self.path).parts[:-1]
         return any(
-            (name.lower() in _TEST_FOLDERS or is_aside_folder(name))
-            and not self._is_package_of_name(self.path.joinpath(*inside[:level], name))
+            is_such(name) and not self._is_package_of_name(self.path.joinpath(*inside[:level], name))
             for level, name in enumerate(inside)
         )
 
@@ -251,12 +271,12 @@ class FolderIndex:
             mention.rpartition("/")[2]
             for f, file in self.files.items()
             if not self._is_in_tests(f)
-            for mention in file.mentions
+            for mention in file.includes
         }
         for top in self.packages or [self.path]:
             for path, text in iter_package_texts(top, self.finder.can_open):
                 if not self._is_in_tests(path):
-                    names.update(find_file_names(text))
+                    names.update(find_file_names(XML_COMMENT.sub("", text)))
         return frozenset(names)
 
     def may_be_part(self, path: Path) -> bool:
@@ -407,6 +427,10 @@ class FolderIndex:
     @cached_property
     def _files_with(self) -> dict[str, set[Path]]:
         return {}
+
+
+def _is_test_folder(name: str) -> bool:
+    return name.lower() in _TEST_FOLDERS
 
 
 def resolve_path(path: Path) -> Path:

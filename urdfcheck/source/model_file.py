@@ -42,7 +42,8 @@ _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*
 _FOLDERS = (
     r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/)?((?:[\w.-]+/)*)"""
 )
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# Comments in XML.
+XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
 _SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
 _OF_ROS = re.compile(r"<(?:launch|node|include|param|rosparam|arg|group|robot)[\s>/]")
@@ -199,21 +200,21 @@ _examine_known_text = lru_cache(maxsize=256)(_examine_text)
 
 def _is_foreign(text: str) -> bool:
     """Whether a xacro file without a robot makes something for another program: a world for Gazebo, or what has a grammar."""
-    match = _FIRST_TAG.search(_COMMENT.sub("", text))
+    match = _FIRST_TAG.search(XML_COMMENT.sub("", text))
     return "<!DOCTYPE" in text or (match is not None and match[1] in _FOREIGN_ROOTS)
 
 
 def find_placeholder(text: str) -> str:
     """Return the first text in a file that a generator fills in before any program reads it; empty if it is not a template."""
     patterns = [pattern for mark, pattern in _PLACEHOLDERS if mark in text and pattern.search(text)]
-    bare = _COMMENT.sub("", text) if patterns else ""
+    bare = XML_COMMENT.sub("", text) if patterns else ""
     return next((match[1] for pattern in patterns if (match := pattern.search(bare))), "")
 
 
 def is_blank(text: str) -> bool:
     """Whether a text in XML holds nothing, or nothing but comments."""
     body = _DECLARATION.sub("", text.lstrip("\ufeff"), count=1).lstrip()
-    return not body or (body.startswith("<!--") and not _COMMENT.sub("", body).strip())
+    return not body or (body.startswith("<!--") and not XML_COMMENT.sub("", body).strip())
 
 
 def is_foreign_launch(text: str) -> bool:
@@ -237,7 +238,7 @@ def names_file(text: str, inside: str, package: str) -> bool:
     name = inside.rpartition("/")[2]
     if name not in text:
         return False
-    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", _COMMENT.sub("", text)):
+    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", XML_COMMENT.sub("", text)):
         owner = match[1] or match[2] or match[3]
         if not owner or not package or "$" in owner:
             return True

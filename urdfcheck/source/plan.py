@@ -52,6 +52,8 @@ class ModelTarget:
     """Whether it is expanded only if no model turns out to be made of it."""
     is_test_data: bool = False
     """Whether it was found in a folder of tests, and nothing outside such folders starts it, includes it or names it."""
+    is_kept_aside: bool = False
+    """Whether the same is true of it because it is kept and not used."""
     xacro: bool | None = None
     """Whether a launch file hands the file to xacro (True) or to a parser as it is (False); None where none says so."""
     name: str | None = None
@@ -71,6 +73,7 @@ class ModelTarget:
             is_part=self.is_part and other.is_part,
             is_spare=self.is_spare and other.is_spare,
             is_test_data=self.is_test_data and other.is_test_data,
+            is_kept_aside=self.is_kept_aside and other.is_kept_aside,
             # A launch file that hands the file to xacro wins over one that does not, and both over none.
             xacro=True if self.xacro or other.xacro else self.xacro if other.xacro is None else other.xacro,
             name=self.name or other.name,

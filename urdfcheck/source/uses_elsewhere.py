@@ -16,7 +16,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.model_file import compile_includes, may_compute_name, names_file
+from urdfcheck.source.model_file import XML_COMMENT, compile_includes, may_compute_name, names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import (
     TEST_FOLDERS,
@@ -251,6 +251,16 @@ def iter_project_texts(source: Source, file: Path | None = None) -> Iterator[tup
         yield from iter_package_texts(folder, source.finder.can_open)
 
 
+def is_unused(source: Source) -> bool:
+    """Whether no file names the model where the others of its package name other models: it is a kept copy, or a part that is no
+    longer included.
+
+    A piece of a robot without a name may be included by a name that is computed.
+    """
+    may_be_piece = source.is_part and (source.main_tree is None or not can_have_name(source.main_tree))
+    return not may_be_piece and is_named_nowhere(source) and is_certainly_left_aside(source)
+
+
 def is_certainly_left_aside(source: Source) -> bool:
     """Whether files of the model's package, or of those that depend on it, name other models and not this one. False without
     a package, and where one of them computes such a name."""
@@ -261,10 +271,10 @@ def is_certainly_left_aside(source: Source) -> bool:
 
 
 def name_other_models_only(texts: Iterable[str], own: str) -> bool:
-    """Whether texts name files of models, and not the ``own`` one."""
+    """Whether texts name files of models, and not the ``own`` one, outside comments in XML."""
     names_any = False
     for text in texts:
-        named = MODEL_FILE.findall(text)
+        named = MODEL_FILE.findall(XML_COMMENT.sub("", text))
         if own in named:
             return False
         names_any |= bool(named)

@@ -224,9 +224,12 @@ def _report(outcome: Run, options: argparse.Namespace, *, reports: ReportPlan, d
 
 def _report_undeclared_arguments(outcome: Run) -> None:
     """Say on standard error which ``--arg`` has no effect."""
+    what = "no model that was checked declares this argument"
+    if outcome.has_unread_declarations:
+        what = "not declared in what was read before the expansion stopped"
     for name, similar in outcome.undeclared_arguments.items():
         hint = f"; did you mean {similar}?" if similar else ""
-        say(f"urdfcheck: --arg {name}: no model that was checked declares this argument{hint}", sys.stderr)
+        say(f"urdfcheck: --arg {name}: {what}{hint}", sys.stderr)
 
 
 def _choose_detail(options: argparse.Namespace) -> DetailLevel:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import posixpath
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
+from urdfcheck.source.package.cmake_installs import parse_commands, read_cmake_installs
+from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
 from urdfcheck.source.package.package_folders import iter_package_texts
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
@@ -22,6 +26,8 @@ _WRITTEN = re.compile(
 _XACRO_ADDED = re.compile(r"xacro_add_\w+\s*\(([^()]*)\)")
 # What the names of templates end with: those of CMake, and those of empy, which catkin expands.
 _TEMPLATES = (".in", ".em")
+_CMAKE = "CMakeLists.txt"
+_XACRO = ".xacro"
 # What the shell, CMake or Python puts into a name.
 _FILLED_IN = re.compile(r"\$?\{[^{}]*\}|\$\w+|%s")
 
@@ -29,27 +35,47 @@ _FILLED_IN = re.compile(r"\$?\{[^{}]*\}|\$\w+|%s")
 def find_maker(path: Path, package: Path, reach: FileReach) -> Path | None:
     """Return the script or build file of a package that writes a missing model with xacro, under its name or a computed one.
 
-    A name that is computed whole may be any: then the package has a xacro file of the missing one's name.
+    A name that is computed whole may be any: then the package has a xacro file of the missing one's name. So it has where its
+    build hands that file to a function.
     """
     stem = path.name.partition(".")[0]
+    sources = [
+        name
+        for _, _, files in walk(package)
+        for name in files
+        if name.endswith(_XACRO) and name.partition(".")[0] == stem
+    ]
     for file, text in iter_package_texts(package, reach.can_open):
-        if file.name != "CMakeLists.txt" and file.suffix not in {".sh", ".py"}:
+        if file.name != _CMAKE and file.suffix not in {".cmake", ".sh", ".py"}:
             continue
         names = {Path(name).name for match in _WRITTEN.finditer(text) for name in match.groups() if name}
         patterns = {name: ".*".join(map(re.escape, _FILLED_IN.split(name))) for name in names if name}
         written = [name for name, pattern in patterns.items() if re.fullmatch(pattern, path.name)]
-        is_added = any(f"{path.name}.xacro" in added for added in _XACRO_ADDED.findall(text))
+        is_added = any(f"{path.name}{_XACRO}" in added for added in _XACRO_ADDED.findall(text))
         if is_added or any(_FILLED_IN.sub("", name).partition(".")[0] for name in written):
             return file
-        if written and _has_xacro_file(stem, package):
+        if sources and (written or (file == package / _CMAKE and _is_handed_on(sources, text, package, reach))):
             return file
     return None
 
 
-def _has_xacro_file(stem: str, package: Path) -> bool:
-    return any(
-        name.endswith(".xacro") and name.partition(".")[0] == stem for _, _, files in walk(package) for name in files
-    )
+def _is_handed_on(sources: Sequence[str], build: str, package: Path, reach: FileReach) -> bool:
+    """Whether a build hands a xacro file to a function that may expand it: one named after xacro, or any that CMake has not.
+
+    A name that is computed may be that of any file.
+    """
+
+    def read_text(place: str) -> str | None:
+        file = package / place
+        return read_text_or_nothing(file) or None if reach.can_open(file) else None
+
+    installed = read_cmake_installs(list(parse_commands(build)), package.name, read_text)
+    stems = {name.partition(".")[0] for name in sources}
+    words = [posixpath.basename(word) for word in (*installed.function_words, *installed.expanded_words)]
+    computed = [posixpath.basename(word) for word in installed.expanded_words if _FILLED_IN.search(word)]
+    patterns = [_FILLED_IN.sub("*", word) for word in (*(w for w in words if w.endswith(_XACRO)), *computed)]
+    is_named = any(posixpath.basename(word) in stems for word in installed.expanded_words)
+    return is_named or any(match_any_pattern(patterns, (name,)) for name in sources)
 
 
 def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
@@ -59,9 +85,12 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     other suffixes and a build that makes files.
     """
     reach = FileReach.from_paths([package], [])
-    places = [package / name for name in ("CMakeLists.txt", "setup.py")]
+    places = [package / name for name in (_CMAKE, "setup.py")]
     builds = [read_text_or_nothing(place) for place in places if reach.can_open(place)]
     if any(path.name in text for text in builds) or is_git_ignored(path, reach):
+        return True
+    maker = find_maker(path, package, reach) if path.name.lower().endswith(MODEL_SUFFIXES) else None
+    if maker is not None and (maker.name == _CMAKE or maker.suffix == ".cmake"):
         return True
     makes_files = any(map(_MAKES_FILES.search, builds))
     stem = path.name.partition(".")[0]

@@ -107,6 +107,7 @@ def read_cmake_installs(
         is_complete=reader.is_complete,
         other_names=frozenset(reader.other_names),
         function_words=frozenset(reader.function_words),
+        expanded_words=frozenset(reader.expanded_words),
     )
 
 
@@ -134,6 +135,7 @@ class _CmakeReader:
         self.is_complete = True
         self.other_names: set[str] = set()
         self.function_words: set[str] = set()
+        self.expanded_words: set[str] = set()
         self.count = 0
         self.characters = 0
 
@@ -174,6 +176,8 @@ class _CmakeReader:
 
     def run_command(self, command: CmakeCommand) -> None:
         name, *words = command.words or ("",)
+        if "xacro" in command.name:
+            self.expanded_words.update(self.expand_words(command.words))
         if command.name == "set" and words[-1:] != ["PARENT_SCOPE"]:
             self.values[name] = self.expand_words(words)
         elif command.name == "list" and name == "APPEND" and words:

@@ -88,6 +88,8 @@ class InstalledFiles:
     function_words: frozenset[str] = frozenset()
     """The arguments of functions that neither CMake nor ament has: such a function may install a folder of that name in any that
     it knows, as ``cogen_dcf(car)`` of lely_core_libraries installs ``config/car``."""
+    expanded_words: frozenset[str] = frozenset()
+    """The arguments of functions that are named after xacro: it makes other files out of what they name."""
 
     def find_sources(self, place: str) -> Iterator[str]:
         """Yield what may be installed at a place."""

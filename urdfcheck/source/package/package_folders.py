@@ -22,6 +22,8 @@ _ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
 _ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "unused"})
 # What is added to the name of a file that is kept as it was, beside the one that is used.
 _KEPT_COPY = re.compile(r"(?<=\w)[._-](?:backup|bak|copy|old|ori|orig|original)(?=\.)", re.IGNORECASE)
+# Which of these say that it is no longer used, whatever is beside it.
+_OLD_STATE = re.compile(r"(?<=\w)[._-](?:backup|bak|old)(?=\.)", re.IGNORECASE)
 # Folders of tests, by their names in lower case.
 TEST_FOLDERS = frozenset({"test", "tests"})
 # Files that tell colcon and catkin to leave out a folder with all below it.
@@ -29,7 +31,7 @@ IGNORE_MARKS = frozenset({"AMENT_IGNORE", "CATKIN_IGNORE", "COLCON_IGNORE"})
 # Packages that are left out are searched for so many levels below the marked folder.
 _LEVELS_LEFT_OUT = 4
 # Of a package, so many texts of at most so many bytes are read.
-_TEXTS = (".py", ".xml", ".launch", ".txt", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
+_TEXTS = (".py", ".xml", ".launch", ".txt", ".cmake", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
 _MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
 # The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
 _MANIFESTS = frozenset({"package.xml", "manifest.xml"})
@@ -59,6 +61,11 @@ def get_used_name(name: str) -> str:
     """Return the name of the file of which one of this name is an old copy: ``arm.urdf`` of ``arm_ori.urdf``; else empty."""
     used = _KEPT_COPY.sub("", name, count=1)
     return "" if used == name else used
+
+
+def is_old_state(name: str) -> bool:
+    """Whether the name of a file says that another one is used by now: ``arm_old.urdf``."""
+    return _OLD_STATE.search(name) is not None
 
 
 def walk_packages(
