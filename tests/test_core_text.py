@@ -82,6 +82,7 @@ def test_only_a_long_text_is_truncated() -> None:
         ("jiont_1", "joint_2", None),
         ("jiont_1", "joint_01", "joint_01"),
         ("upper_arm_link", "arm_link", None),
+        ("3d_mini_drive.launch", "mini_drive.launch", "mini_drive.launch"),
     ],
 )
 def test_a_part_of_another_side_is_not_another_spelling(name: str, known: str, near: str | None) -> None:

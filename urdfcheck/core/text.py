@@ -76,7 +76,9 @@ def _has_other_word(name: str, other: str) -> bool:
     ours, theirs = _count_words(name), _count_words(other)
     words, other_words = list((ours - theirs).elements()), list((theirs - ours).elements())
     places, other_places = _count_places(words), _count_places(other_words)
-    if places - other_places and (not other_words or other_places - places):
+    # A number that only one of them has may be a version of a file.
+    is_elsewhere = any(not place.isdigit() for place in places - other_places) and not other_words
+    if is_elsewhere or (places - other_places and other_places - places):
         return True
     only_ours, only_theirs = "".join(words), "".join(other_words)
     if not only_ours or not only_theirs:
