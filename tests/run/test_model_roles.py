@@ -74,6 +74,20 @@ def test_a_library_of_macros_is_no_error_however_it_is_given(package: Path, name
     assert list_unchecked(check(Path("wheels.urdf.xacro"))) == ["wheels.urdf.xacro"]
 
 
+def test_a_robot_that_includes_one_whose_calls_lack_the_prefix_is_a_robot(package: Path) -> None:
+    """Otherwise neither of the two files is checked: the one makes nothing, and the other is a part of it."""
+    write(
+        package,
+        {
+            "wheels.xacro": xacro(MACRO, ""),
+            "car.urdf.xacro": xacro(include("wheels.xacro") + "<wheel/>"),
+            "car_simulated.urdf.xacro": xacro(include("car.urdf.xacro") + '<gazebo reference="wheel"/>'),
+        },
+    )
+    for run in (check(Path("car.urdf.xacro")), check(Path("."))):
+        assert {code for code, _ in list_errors(run)} == {"XAC007"}
+
+
 def test_a_file_of_arguments_with_a_root_of_its_own_is_no_error_however_it_is_given(package: Path) -> None:
     """A xacro may include it by a name that is computed; xacro ignores the root of what it includes."""
     settings = '<tool xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="tcp" default="0 0 0.1"/></tool>'

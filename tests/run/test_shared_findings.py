@@ -289,7 +289,9 @@ class TestModels:
     def test_what_a_configuration_judges_otherwise_stays_apart(self, tmp_path: Path) -> None:
         folder = write_robots(tmp_path, FORMULA, a=disc(), c=disc())
         (folder / "second").mkdir()
-        (folder / "second/b.urdf.xacro").write_text((folder / "a.urdf.xacro").read_text().replace("macros", "../macros"))
+        (folder / "second/b.urdf.xacro").write_text(
+            (folder / "a.urdf.xacro").read_text().replace("macros", "../macros")
+        )
         (folder / "second/urdfcheck.toml").write_text('fail-on = "never"\n')
         run = find(folder, config_resolver=ConfigResolver())
         found = [f for f in run.findings if f.code == "INR003"]

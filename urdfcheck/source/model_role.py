@@ -129,17 +129,17 @@ def _has_only_joints(tree: Element | None) -> bool:
 
 
 def has_unprefixed_calls(source: Source, root: Element) -> bool:
-    """Whether a file itself calls macros that make links or joints, or includes files as a robot with a name, and only forgets
-    the prefix: xacro copies the tags."""
+    """Whether a file itself, or a file that it includes as a robot with a name, calls macros that make links or joints, or whether
+    such a robot includes files, and only the prefix is forgotten: xacro copies the tags."""
     if not source.is_xacro:
         return False
     macros, has_name = collect_macros(source.trees), "name" in root.attributes
     return any(
         call.parent is root
         and call.span is not None
-        and call.span.file == source.name
+        and (has_name or call.span.file == source.name)
         and (
-            has_name
+            has_name and call.span.file == source.name
             if is_include(call)
             else call.tag in macros and any(e.tag in {"link", "joint"} for e in macros[call.tag].element.walk())
         )
