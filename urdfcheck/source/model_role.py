@@ -129,8 +129,8 @@ def _has_only_joints(tree: Element | None) -> bool:
 
 
 def has_unprefixed_calls(source: Source, root: Element) -> bool:
-    """Whether a file itself, or a file that it includes as a robot with a name, calls macros that make links or joints, or whether
-    such a robot includes files, and only the prefix is forgotten: xacro copies the tags."""
+    """Whether a file calls macros that make links or joints, or includes files as a robot with a name, and only forgets the
+    prefix: xacro copies the tags. The calls of a robot with a name may be in a file that it includes."""
     if not source.is_xacro:
         return False
     macros, has_name = collect_macros(source.trees), "name" in root.attributes
