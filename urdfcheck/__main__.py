@@ -19,7 +19,14 @@ def main() -> int:
     from urdfcheck import cli
 
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(cli.FAILED))  # and clean up on the way out
-    code = cli.main(working_folders=folders)
+    try:
+        code = cli.main(working_folders=folders)
+    except Exception:  # Python would end with 1, which says that the models have findings
+        import traceback
+
+        traceback.print_exc()
+        print("urdfcheck: crashed, which is a bug of urdfcheck: please report it with these lines", file=sys.stderr)
+        code = cli.FAILED
     # The process ends, and its memory with it: Python would look through all of it for garbage twice.
     gc.freeze()
     return code

@@ -270,6 +270,14 @@ class TestCompletion:
         assert dict(zip(asked, ([w for w in line.split("|") if w] for line in told.splitlines()), strict=True)) == asked
 
 
+def test_a_crash_is_not_taken_for_findings() -> None:
+    crash = "from urdfcheck import cli, __main__ as m; cli.main = lambda **_: 1 / 0; raise SystemExit(m.main())"
+    ended = subprocess.run([sys.executable, "-c", crash], capture_output=True, text=True, check=False)
+    assert ended.returncode == cli.FAILED
+    assert "ZeroDivisionError" in ended.stderr
+    assert "bug of urdfcheck" in ended.stderr
+
+
 def test_rule_lists_and_explains() -> None:
     listed = urdfcheck("rule", cwd=Path())
     assert "INR003  error    proof      triangle-inequality" in listed.stdout

@@ -12,7 +12,7 @@ from conftest import check
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from urdfcheck.core import Run
+from urdfcheck.core import Run, Severity
 from urdfcheck.policy.config_resolver import ConfigResolver
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.xacro.argument_values import (
@@ -366,3 +366,15 @@ def test_a_model_that_the_place_or_the_order_of_a_set_decides_is_an_error(tmp_pa
     text = """<link name="base"/><xacro:if value="${'/share/' in '$(dirname)'}"><link name="b"/></xacro:if>"""
     (finding,) = check(write_xacro(tmp_path, text), codes={"XAC016"}).findings
     assert (finding.message_id, str(finding.severity)) == ("place", "error")
+
+
+def test_all_arguments_of_a_folder_with_a_part_that_a_model_is_made_of(tmp_path: Path) -> None:
+    """The part is expanded only if no model is made of it: it has no report."""
+    head = '<robot{} xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    (tmp_path / "part.xacro").write_text(head.format("") + '<link name="part"/></robot>')
+    lift = '<xacro:arg name="lift" default="false"/><xacro:if value="$(arg lift)"><link name="lift"/></xacro:if>'
+    include = '<xacro:include filename="part.xacro"/>'
+    (tmp_path / "robot.urdf.xacro").write_text(head.format(' name="r"') + lift + include + "</robot>")
+    run = check(tmp_path, all_arguments=True)
+    assert not run.failures
+    assert [finding.code for finding in run.findings if finding.severity is Severity.ERROR] == ["KIN005"]

@@ -27,7 +27,8 @@ def propose_smaller_variants(units: Sequence[Unit], reports: Mapping[int, UnitRe
     more = Counter(unit.path for unit in units if unit.is_reduced)
     best: dict[tuple[Any, ...], tuple[Unit, Finding]] = {}
     for place, unit in enumerate(units):
-        for finding in reports[place].findings if unit.kind == "model" else ():
+        # A spare model that another one makes needless is not checked.
+        for finding in reports[place].findings if unit.kind == "model" and place in reports else ():
             key = (unit.path, *get_defect_key(finding))
             if key not in best or len(unit.arguments) < len(best[key][0].arguments):
                 best[key] = unit, finding
@@ -92,9 +93,9 @@ def _reduce_failed_variants(units: Sequence[Unit], reports: Mapping[int, UnitRep
     """Drop from variants that fail to expand the arguments that alone make another variant fail: they hide everything else."""
     failed: dict[tuple[Any, ...], list[Unit]] = {}
     for place, unit in enumerate(units):
-        info = reports[place].info
-        if unit.varied_arguments and info is not None and info.status == "failed":
-            for finding in reports[place].findings:
+        report = reports.get(place)
+        if unit.varied_arguments and report is not None and report.info is not None and report.info.status == "failed":
+            for finding in report.findings:
                 if finding.severity == Severity.ERROR:
                     failed.setdefault((unit.path, *get_defect_key(finding)), []).append(unit)
     found = []
