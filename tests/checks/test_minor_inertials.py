@@ -150,3 +150,11 @@ def test_a_wheel_that_is_drawn_in_its_place_is_not_off(tmp_path: Path, is_drawn_
             parts += [link(name, own, drawn), joint(f"{name}_joint", "hull", name, turns, kind="continuous")]
     found = find(tmp_path, robot(HULL, *parts), "SYM004")
     assert ("origin" in {finding.message_id for finding in found}) != is_drawn_in_place
+
+
+def test_a_light_part_without_a_tensor_is_no_crash_beside_another(tmp_path: Path) -> None:
+    """It counts as infinitely large, and such a tensor has no eigenvalues."""
+    bare = '<link name="bare"><inertial><mass value="0.01"/></inertial></link>'
+    text = make_carrier(0.01, moment=0.01, kind="revolute", more=SHUT)
+    text = text.replace("</robot>", bare + joint("hold", "hull", "bare", SHUT, kind="revolute") + "</robot>")
+    assert {finding.message_id for finding in find(tmp_path, text, {"INR005", "INR007"})} == {"lost"}

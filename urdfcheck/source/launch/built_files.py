@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import posixpath
 import re
 from collections.abc import Sequence
@@ -116,7 +117,7 @@ def is_git_ignored(path: Path, reach: FileReach) -> bool:
     """Whether a ``.gitignore`` around a file names it: then it is made, and no checkout has it."""
     ignored = False
     # A hidden file is never in reach; this one is, unless it is a link to elsewhere.
-    folders = [f for f in path.parents if reach.can_open(f) and not (f / ".gitignore").is_symlink()]
+    folders = [f for f in path.parents if reach.can_open(f) and not os.path.islink(f / ".gitignore")]
     for folder in reversed(folders):  # the last pattern that fits decides, in the innermost file
         names = split_relative_path(path, folder)
         for line in read_text_or_nothing(folder / ".gitignore").splitlines()[:MAX_PATTERNS]:

@@ -206,7 +206,9 @@ def _is_small(part: Array, whole: Array) -> bool:
     if not moments[0] > 0.0:
         return False
     white = axes / np.sqrt(moments) @ axes.T
-    return bool(np.abs(np.linalg.eigvalsh(white @ part @ white)).max() < _FELT)
+    shares = white @ part @ white
+    # A malformed inertial counts as infinitely large.
+    return bool(np.isfinite(shares).all()) and bool(np.abs(np.linalg.eigvalsh(shares)).max() < _FELT)
 
 
 def _is_felt_about(
