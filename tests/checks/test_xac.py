@@ -361,6 +361,15 @@ def test_a_file_is_proposed_that_brings_the_expansion_further(tmp_path: Path, ha
     assert finding.fix.title == proposal * has_size + "correct the name"
 
 
+def test_a_missing_file_of_a_submodule_that_is_not_checked_out(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>rover</name></package>")
+    (tmp_path / ".gitmodules").write_text('[submodule "camera"]\n\tpath = camera\n\turl = https://git.example/camera\n')
+    (tmp_path / "camera").mkdir()
+    finding = only(xacro(tmp_path, '<xacro:include filename="camera/urdf/camera.xacro"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == "check out its submodule: `git submodule update --init camera`"
+
+
 def test_a_name_that_is_not_defined_there_either_is_not_meant(tmp_path: Path) -> None:
     text = '<xacro:macro name="m" params="length"/><link name="${lenght}"/>'
     finding = only(xacro(tmp_path, text, {"XAC001"}))

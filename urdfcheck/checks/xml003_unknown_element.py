@@ -159,7 +159,7 @@ def _describe_renaming(parent: str, near: str, places: list[Element], model: Mod
     if len(wanted) < len(places) and not repeated:
         repair += ", and delete it in the fixed joints"
     if near == "dynamics" and not wrong:
-        repair += f"; programs then use {_list_values(wanted)}. Delete it if the robot moves as it should"
+        repair += f"; programs then use {_list_values(wanted, near)}. Delete it if the robot moves as it should"
     # The robot may be right with the default; without a limit, these types are refused.
     if (
         is_of_moving
@@ -302,11 +302,12 @@ def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
     return list(stuck)
 
 
-def _list_values(places: list[Element]) -> str:
-    """Join the values that no program has read so far, for the end of a repair."""
+def _list_values(places: list[Element], near: str) -> str:
+    """Join the values that programs read of the element that is meant, and have not read so far, for the end of a repair."""
     moving = [place for place in places if not _is_in_fixed_joint(place)]
     values: dict[str, None] = {}
-    for attribute in (a for place in moving for a in place.attributes.values()):
+    read = NUMERIC_ATTRIBUTES[near]
+    for attribute in (a for place in moving for a in place.attributes.values() if a.name in read):
         number = parse_number(attribute.value)
         values[f"{attribute.name} {attribute.value.strip() if number is None else f'{number:g}'}"] = None
     return join_names(values) or "it"
