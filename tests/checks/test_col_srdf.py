@@ -102,12 +102,25 @@ def test_links_of_the_robot_that_a_description_was_set_up_for_are_not_missed(
     assert {finding.message_id for finding in findings} == ({"unknown", "never"} if is_found else set())
 
 
+LOADING = """<param name="$(arg robot_description)" command="$(find xacro)/xacro '$(find arm)/"""
+DESCRIPTION = (
+    """<param name="$(arg robot_description)_semantic" textfile="$(find arm_moveit_config)/config/arm.srdf"/>"""
+)
+
+
 @pytest.mark.parametrize(
     ("loaded", "is_found"),
-    [("arm.urdf", True), ("arm.urdf.xacro", False), ("gone.urdf", True), ("$(arg robot).urdf", True)],
+    [
+        ("arm.urdf", True),
+        ("arm.urdf.xacro", False),
+        ("gone.urdf", True),
+        ("$(arg robot).urdf", True),
+        (f'arm.urdf.xacro\'"/>{DESCRIPTION}</group><group unless="$(arg cart)">{LOADING}arm.urdf', False),
+    ],
+    ids=["model", "other", "missing", "computed", "group"],
 )
 def test_a_description_belongs_to_the_model_that_is_loaded_with_it(tmp_path: Path, loaded: str, is_found: bool) -> None:
-    """The other file is what xacro once wrote."""
+    """The other file is what xacro once wrote; Setup Assistant was started with the model."""
     source = tmp_path / "workspace" / "src"
     for name in ("arm", "arm_moveit_config"):
         (source / name / "config").mkdir(parents=True)
@@ -118,11 +131,12 @@ def test_a_description_belongs_to_the_model_that_is_loaded_with_it(tmp_path: Pat
     (source / "arm_moveit_config" / "config" / "arm.srdf").write_text(disabled)
     (source / "arm_moveit_config" / "launch").mkdir()
     (source / "arm_moveit_config" / "launch" / "planning_context.launch").write_text(
-        """<launch><arg name="robot_description" default="robot_description"/>
-<param if="$(arg load)" name="$(arg robot_description)" command="$(find xacro)/xacro '$(find arm)/LOADED'"/>
-<param name="$(arg robot_description)_semantic" textfile="$(find arm_moveit_config)/config/arm.srdf"/></launch>""".replace(
-            "LOADED", loaded
-        )
+        f"""<launch><arg name="robot_description" default="robot_description"/><group if="$(arg cart)">
+{LOADING}{loaded}'"/>{"" if "group" in loaded else DESCRIPTION}</group></launch>"""
+    )
+    (source / "arm_moveit_config" / ".setup_assistant").write_text(
+        "moveit_setup_assistant_config:\n  SRDF: {relative_path: config/arm.srdf}\n"
+        "  URDF: {package: arm, relative_path: arm.urdf}\n"
     )
     findings = check(source / "arm" / "arm.urdf", codes={"COL003"}).findings
     assert {finding.message_id for finding in findings} == ({"unknown", "never"} if is_found else set())

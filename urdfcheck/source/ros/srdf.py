@@ -35,6 +35,8 @@ _PARAMETER = re.compile(r"<param\b[^<>]*>")
 _DESCRIPTION = re.compile(r"\bname\s*=\s*[\"'](?:\$\(arg robot_description\)|/?robot_description)[\"']")
 _MODEL = re.compile(r"\$\(find\s+([\w.-]+)\s*\)/([^\s\"'<>$]+\.(?:urdf|xacro))(?=[\s\"'])")
 _COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
+# A group that holds no other.
+_GROUP = re.compile(r"<group\b(?:(?!<group\b).)*?</group>", re.DOTALL)
 _LATE_DECLARATION = re.compile(r"\A(\ufeff?\s+)(<\?xml\s[^>]*\?>)")
 # The attributes that name links and joints of the robot, by element and the element around it.
 _PART_NAMES = {
@@ -198,23 +200,25 @@ def has_derived_model(srdf: Srdf, source: Source) -> bool:
 
 
 def is_set_up_for_another(srdf: Srdf, source: Source) -> bool:
-    """Whether a semantic description was made for a file that is neither the model's nor included by it.
+    """Whether a semantic description is for a file that is neither the model's nor included by it.
 
-    The MoveIt Setup Assistant notes the file in ``.setup_assistant`` in the package that it makes, and the launch file
-    ``planning_context.launch`` of MoveIt 1 loads both.
+    The launch file ``planning_context.launch`` of MoveIt 1 loads both. The MoveIt Setup Assistant notes in ``.setup_assistant``
+    in the package that it makes which file it was made for.
     """
     package = source.finder.find_package_of(srdf.path.absolute())
     if package is None or srdf.path.absolute().parent == source.path.absolute().parent:
         return False
     own = {source.path.absolute(), *(file.path.absolute() for file in source.files.values())}
-    made_for = _read_setup(srdf, package, source)
-    if made_for is not None:
-        place = _find_place(*made_for, source)
-        return place is None or place not in own
     # A line that leads to no file says nothing about the robot.
     loaded = [_find_place(*named, source) for named in _read_planning_context(srdf, package, source)]
     found = {place for place in loaded if place is not None and source.finder.can_open(place) and place.is_file()}
-    return bool(found) and own.isdisjoint(found)
+    if found:
+        return own.isdisjoint(found)
+    made_for = _read_setup(srdf, package, source)
+    if made_for is None:
+        return False
+    place = _find_place(*made_for, source)
+    return place is None or place not in own
 
 
 def find_original_model(srdf: Srdf, source: Source) -> Path | None:
@@ -278,15 +282,19 @@ def _read_setup(srdf: Srdf, package: Package, source: Source) -> tuple[str, str]
 
 
 def _read_planning_context(srdf: Srdf, package: Package, source: Source) -> list[tuple[str, str]]:
-    """Return the packages and the paths in them of the models that the launch file loads that loads this description."""
+    """Return the packages and the paths in them of the models that the launch file loads with this description: of several
+    groups, that of the description decides."""
     place = package.path / _PLANNING_CONTEXT
     try:
         text = read_regular(place).decode("utf-8-sig", "replace") if source.finder.can_open(place) else ""
     except OSError:
         return []
     text = _COMMENT.sub("", text)
-    if f"/{srdf.path.name}" not in text:
+    named = f"/{srdf.path.name}"
+    if named not in text:
         return []
+    groups = [group for group in _GROUP.findall(text) if named in group and _DESCRIPTION.search(group)]
+    text = groups[0] if groups else text
     loaded = (tag for tag in _PARAMETER.findall(text) if _DESCRIPTION.search(tag))
     return [found for tag in loaded for found in _MODEL.findall(tag)]
 
