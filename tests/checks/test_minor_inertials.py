@@ -158,3 +158,15 @@ def test_a_light_part_without_a_tensor_is_no_crash_beside_another(tmp_path: Path
     text = make_carrier(0.01, moment=0.01, kind="revolute", more=SHUT)
     text = text.replace("</robot>", bare + joint("hold", "hull", "bare", SHUT, kind="revolute") + "</robot>")
     assert {finding.message_id for finding in find(tmp_path, text, {"INR005", "INR007"})} == {"lost"}
+
+
+def test_a_light_part_whose_tensor_rules_its_body_is_felt(tmp_path: Path) -> None:
+    """A bumper of 100 g in g·mm² makes a mobile base that nothing can turn."""
+    ixx, iyy, izz = 1.35e6, 2.6e5, 1.5e6
+    part = link("bumper", inertial(0.1, ixx=ixx, iyy=iyy, izz=izz), visual(box("0.15 0.4 0.06")))
+    base = link("base", inertial(30, ixx=1.2, iyy=2.6, izz=3.1), visual(box("1 0.5 0.4")))
+    wheel = link("wheel", inertial(1, 1e-2), visual(cylinder(0.1, 0.05)))
+    turn = joint("axle", "base", "wheel", axis="0 0 1", kind="continuous")
+    text = robot(base, joint("mount", "base", "bumper"), part, turn, wheel)
+    (finding,) = (f for f in find(tmp_path, text, {"INR009"}) if "bumper" in f.subjects[0])
+    assert (finding.severity, finding.cause and finding.cause.id) == (Severity.ERROR, "inertia_unit")

@@ -40,6 +40,8 @@ LIGHT = 0.05
 # Unless its COM is so far away that it makes more than this share of the largest moment of its body: of 98 such links of
 # published robots one reaches 0.065, the others less than 0.05.
 _FAR_MOMENT = 0.1
+# A tensor that is more than half of its body's counts, however light the part is.
+_MOST = 0.5
 # Moments so many times too small are those of a part of a seventh of the size.
 TINY = 50.0
 # Moments that are all so many times too small, to within the other factor, are those of a lighter part of the same shape. Of
@@ -319,7 +321,16 @@ def is_light(model: Model, link: Link, mended: DeclaredInertial | None = None) -
     if len(body) == 1 or whole is None or mass is None:
         return False
     lost = 0.0 if mended is None else max(0.0, mended.mass - mass)
-    return mass + lost < LIGHT * (whole + lost) and not is_at_long_lever(model, link)
+    return mass + lost < LIGHT * (whole + lost) and not (is_at_long_lever(model, link) or rules_body(model, link))
+
+
+def rules_body(model: Model, link: Link) -> bool:
+    """Whether most of the moments of a link's rigid body are those of the link's own tensor, about its COM."""
+    declared = model.tensor_by_name.get(link.name)
+    tensor = compute_body_tensor(model, model.pieces.list_body_links(link.name))
+    if declared is None or tensor is None:
+        return False
+    return float(np.trace(declared.tensor)) > _MOST * float(np.trace(tensor))
 
 
 def is_at_long_lever(model: Model, link: Link) -> bool:
