@@ -754,9 +754,19 @@ def test_what_was_not_fixed_is_said_once_for_each_reason(tmp_path: Path) -> None
 def test_the_report_tells_what_each_option_repairs(tmp_path: Path) -> None:
     written(tmp_path, make_robot_on_base(noisy(), AXIS))
     done = urdfcheck("robot.urdf", "--select", "JNT002,JNT014", "--verbose", cwd=tmp_path)
-    assert "fix   write 0 [--fix]" in done.stdout
+    assert "fix   write 0 [-v --fix]" in done.stdout  # a note on request
     assert "[--fix --unsafe-fixes]" in done.stdout
-    assert "1 fixable with --fix, 1 more with --unsafe-fixes" in done.stdout
+    assert "1 fixable with --fix --unsafe-fixes, 1 more with -v" in done.stdout
+
+
+@pytest.mark.usefixtures("one_process")
+def test_notes_on_request_are_repaired_where_they_are_listed(tmp_path: Path) -> None:
+    text = '<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="base"/></robot>'
+    path = tmp_path / "robot.urdf.xacro"
+    for options, is_fixed in ((("--fix",), False), (("-v", "--fix"), True)):
+        path.write_text(text)
+        urdfcheck(path.name, *options, cwd=tmp_path)
+        assert ("www.ros.org" in path.read_text()) is is_fixed
 
 
 # -- real robots -------------------------------------------------------------------------------------------------------

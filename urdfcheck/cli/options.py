@@ -236,8 +236,7 @@ def read_options(options: argparse.Namespace, paths: Sequence[str]) -> RunOption
         cache=not options.no_cache,
         timeout=options.timeout,
         memory=options.memory,
-        # Which repairs are made does not depend on how much is printed.
-        show_all=bool(given.get("verbose")) and not (given.get("fix") or given.get("diff")),
+        show_all=bool(given.get("verbose")),
         samples=THOROUGH if given.get("thorough") else SAMPLES,
         jobs=given.get("jobs"),
         spelling=_SPELLING,

@@ -21,7 +21,7 @@ from urdfcheck.output.shared.wording import (
     get_base_name,
     sort_worst_first,
 )
-from urdfcheck.output.text.full_finding import FIX_OPTIONS
+from urdfcheck.output.text.full_finding import FIX_OPTIONS, is_on_request
 from urdfcheck.output.text.lines import STYLES, format_finding_title, format_separator, wrap_text
 
 MAX_CODES = 8
@@ -156,9 +156,13 @@ def _describe_notes(run: Run) -> str:
 
 def describe_fixable(run: Run) -> str:
     """Say how many findings each option can repair; empty if none can be."""
-    fixes = [f.fix for f in run.active_findings if f.fix is not None and f.fix.edits]
-    kinds = [fix.applicability for fix in fixes if fix.applicability in FIX_OPTIONS]
+    fixable = [f for f in run.active_findings if f.fix is not None and f.fix.edits and f.fix.applicability in FIX_OPTIONS]
+    notes = sum(is_on_request(run, finding) for finding in fixable)
+    kinds = [f.fix.applicability for f in fixable if f.fix is not None and not is_on_request(run, f)]
     safe, unsafe = kinds.count(Applicability.SAFE), kinds.count(Applicability.UNSAFE)
+    if not kinds:
+        return f"{notes} fixable with -v --fix" if notes else ""
+    more = f", {notes} more with -v" if notes else ""
     if safe and unsafe:
-        return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes"
-    return f"{safe or unsafe} fixable with {FIX_OPTIONS[kinds[0]]}" if kinds else ""
+        return f"{safe} fixable with --fix, {unsafe} more with --unsafe-fixes{more}"
+    return f"{safe or unsafe} fixable with {FIX_OPTIONS[kinds[0]]}{more}"

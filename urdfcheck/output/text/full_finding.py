@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from rich.text import Text
 
-from urdfcheck.core import Applicability, Finding, Fix, Run
+from urdfcheck.core import Applicability, Finding, Fix, Run, Severity
 from urdfcheck.output.shared.diffs import list_line_changes
 from urdfcheck.output.shared.escaping import escape_invisible, escape_one_line
 from urdfcheck.output.shared.verdict.effects import ToldEffects, list_new_effects
@@ -87,8 +87,15 @@ def _iter_finding_head(finding: Finding, width: int) -> Iterator[Text]:
     yield place.append(finding.name, "dim")
 
 
+def is_on_request(run: Run, finding: Finding) -> bool:
+    """Whether a finding is a note that a report lists, and a fix repairs, only where it is asked for."""
+    rule = run.rules.get(finding.code)
+    return finding.severity is Severity.INFO and rule is not None and finding.message_id in rule.on_request
+
+
 def _iter_fix_lines(run: Run, finding: Finding, fix: Fix, width: int) -> Iterator[Text]:
     how = FIX_OPTIONS.get(fix.applicability) if fix.edits and finding.suppressed is None else None
+    how = f"-v {how}" if how and is_on_request(run, finding) else how
     yield from wrap_labelled(
         "fix", Text.assemble(escape_invisible(fix.title), (f" [{how}]" if how else "", "dim")), width
     )
