@@ -156,7 +156,9 @@ def _describe_notes(run: Run) -> str:
 
 def describe_fixable(run: Run) -> str:
     """Say how many findings each option can repair; empty if none can be."""
-    fixable = [f for f in run.active_findings if f.fix is not None and f.fix.edits and f.fix.applicability in FIX_OPTIONS]
+    fixable = [
+        f for f in run.active_findings if f.fix is not None and f.fix.edits and f.fix.applicability in FIX_OPTIONS
+    ]
     notes = sum(is_on_request(run, finding) for finding in fixable)
     kinds = [f.fix.applicability for f in fixable if f.fix is not None and not is_on_request(run, f)]
     safe, unsafe = kinds.count(Applicability.SAFE), kinds.count(Applicability.UNSAFE)
