@@ -270,6 +270,17 @@ def test_no_tick_stands_beside_a_program_that_refuses_the_model() -> None:
     assert 'class="card' not in render(a_run(findings=(), unrequested=(note,), targets=("gazebo",)))
 
 
+@pytest.mark.parametrize(("severity", "sign"), [(Severity.INFO, "info"), (Severity.WARNING, "warning")], ids=str)
+def test_no_tick_stands_over_several_models_of_which_one_is_refused(severity: Severity, sign: str) -> None:
+    two = (info(), info(id="2", path="arm.urdf"))
+    run = a_run(finding(severity=severity), models=two)
+    assert f'<p class="verdict {sign}">' in render(run)
+    assert f'<p class="verdict {sign}">' in dict(iter_report_pages(run))["index.html"]
+    assert '<p class="verdict ok">' in dict(iter_report_pages(a_run(findings=(), models=two)))["index.html"]
+    unread = (info(), info(id="2", path="arm.urdf", status="failed"))
+    assert "programs refuse" not in render(a_run(finding(severity=Severity.INFO, model="2"), models=unread))
+
+
 def test_a_chip_says_that_its_reason_is_not_listed() -> None:
     hidden = finding(severity=Severity.INFO, consequences={"kdl": "ignores the inertia"})
     html = render(a_run(unrequested=(hidden,)))

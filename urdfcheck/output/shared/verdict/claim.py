@@ -31,7 +31,7 @@ def state_claim(run: Run) -> tuple[str, str]:
         said, found = "error", format_count(errors, "error") + _describe_models_with_errors(run)
         found += f", {format_count(warnings, 'warning')}" if losses.needs_warnings and warnings else ""
     elif warnings:
-        said = "warning" if losses.by_problems or losses.by_others else "ok"
+        said = "warning" if losses.is_any else "ok"
         found = f"No errors, {format_count(warnings, 'warning')}"
     else:
         found = sentence if not run.unchecked_models else f"{_name_unchecked(run)}. No errors and no warnings"
@@ -48,7 +48,7 @@ def grade_by_losses(kind: str, losses: Losses) -> str:
 
     A tick beside it would contradict that they refuse the model.
     """
-    return "info" if kind == "ok" and losses.by_others else kind
+    return "info" if kind == "ok" and losses.is_any else kind
 
 
 def _append_losses(found: str, losses: Losses) -> str:

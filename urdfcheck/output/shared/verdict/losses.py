@@ -52,6 +52,8 @@ class Losses:
     """Because of anything else: ``Drake refuses this model: the notes say why``."""
     needs_warnings: bool = False
     """Whether the errors alone do not explain ``by_problems``."""
+    is_any: bool = False
+    """Whether a program loses something of a model, for whatever reason: no tick may stand beside that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +100,7 @@ class _Programs:
 def describe_losses(run: Run) -> Losses:
     """Say what the targets lose of the models, or all programs where there are no targets, and where the report says why."""
     if len(run.models) > 1:
-        return Losses(by_others=_count_models_with_losses(run))
+        return _summarize_losses(run)
     losses = [loss for info in run.models for loss in _iter_losses(run, info.id, [*run.findings, *run.unrequested])]
     groups: dict[Reason, _Programs] = {}
     for loss in sorted(losses, key=lambda loss: loss.reason):
@@ -110,6 +112,7 @@ def describe_losses(run: Run) -> Losses:
         by_problems=problems.describe(),
         by_others=" · ".join(f"{programs.describe()}{_WHERE[reason]}" for reason, programs in groups.items()),
         needs_warnings=any(loss.reason is Reason.WARNING for loss in losses),
+        is_any=bool(losses),
     )
 
 
@@ -164,25 +167,27 @@ def _iter_losses(run: Run, model: str, findings: Sequence[Finding]) -> Iterator[
             yield _Loss(name, verdict, find_reason(run, causes), is_data, version)
 
 
-def _count_models_with_losses(run: Run) -> str:
-    """Return ``programs refuse 2 of 4 models: why is in the notes (-v)``: those that lose nothing because of an error or a
-    warning, but because of anything else."""
-    by_model: dict[str, list[Finding]] = {info.id: [] for info in run.models}
+def _summarize_losses(run: Run) -> Losses:
+    """Say ``programs refuse 2 of 4 models: why is in the notes (-v)`` of those that lose nothing because of errors and warnings,
+    but because of anything else."""
+    by_model: dict[str, list[Finding]] = {info.id: [] for info in run.models if info.status == "checked"}
     for finding in (*run.findings, *run.unrequested):
         for model in finding.subjects_by_model:
             if model in by_model:
                 by_model[model].append(finding)
     reasons: dict[Reason, list[Verdict]] = {}
+    is_any = False
     for model, findings in by_model.items():
         losses = list(_iter_losses(run, model, findings))
+        is_any |= bool(losses)
         if losses and min(loss.reason for loss in losses) > Reason.WARNING:
             reason = min(loss.reason for loss in losses)
             reasons.setdefault(reason, []).append(max(loss.verdict for loss in losses))
     clauses = []
     for reason, verdicts in sorted(reasons.items()):
         do = "refuse" if min(verdicts) is Verdict.REFUSES else "refuse, or drop a part of,"
-        clauses.append(f"programs {do} {len(verdicts)} of {format_count(len(by_model), 'model')}{_WHERE[reason]}")
-    return " · ".join(clauses)
+        clauses.append(f"programs {do} {len(verdicts)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}")
+    return Losses(by_others=" · ".join(clauses), is_any=is_any)
 
 
 def _list_programs(run: Run, model: str) -> Sequence[str]:
