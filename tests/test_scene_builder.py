@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from conftest import FIXTURES, check, check_text
+from conftest import FIXTURES, check, check_text, command
 
 from urdfcheck.core import Run
 from urdfcheck.core.scene import Scene
@@ -211,3 +211,70 @@ def test_the_rims_of_holes_are_drawn(tmp_path: Path):
     )
     # One triangle is missing: two edges of a square, and the diagonal.
     assert sorted(np.linalg.norm(holes[:, 1] - holes[:, 0], axis=1)) == pytest.approx([1.0, 1.0, 2**0.5], rel=1e-3)
+
+
+# -- colours of other files ----------------------------------------------------------------------------------------------
+
+PAINTED = """<robot name="painted"><link name="a">
+  <visual><geometry><mesh filename="meshes/box.obj"/></geometry></visual>
+  <visual><geometry><mesh filename="other/box.obj"/></geometry></visual>
+</link></robot>"""
+
+
+def paint(folder: Path, library: str | None, name: str = "box.mtl") -> None:
+    """Write a box whose faces have the material of a library."""
+    folder.mkdir(parents=True, exist_ok=True)
+    box = trimesh.creation.box((1, 1, 1)).export(file_type="obj", include_color=False)
+    first, rest = box[: box.index("f ")], box[box.index("f ") :]
+    (folder / "box.obj").write_text(f"mtllib {name}\n{first}usemtl paint\n{rest}")
+    if library is not None:
+        (folder / "box.mtl").write_text(f"newmtl paint\n{library}\n")
+
+
+def list_colors(run: Run) -> list[tuple[float, ...] | None]:
+    return [drawing.color for mesh in run.scenes[0].meshes for drawing in mesh.drawings]
+
+
+def test_obj_is_drawn_in_the_colours_of_its_library(tmp_path):
+    paint(tmp_path / "meshes", "Kd 0 0.03 0.35\nd 0.5")
+    paint(tmp_path / "other", "Kd 1 0 0")
+    assert list_colors(check_text(tmp_path, PAINTED, scene=True)) == [(0.0, 0.03, 0.35, 0.5), (1.0, 0.0, 0.0, 1.0)]
+    (tmp_path / "other" / "box.mtl").unlink()
+    assert list_colors(check_text(tmp_path, PAINTED, scene=True)) == [(0.0, 0.03, 0.35, 0.5), None]
+
+
+@pytest.mark.parametrize(
+    "name", ["../../box.mtl", "/etc/box.mtl", "file:///etc/box.mtl", "~/box.mtl", "package://p/box.mtl"]
+)
+def test_a_library_out_of_reach_is_not_opened(tmp_path, monkeypatch, name):
+    paint(tmp_path, "Kd 1 0 0")
+    model = tmp_path / "a" / "robot"
+    paint(model / "meshes", None, name)
+    paint(model / "other", None, name)
+    read = []
+    monkeypatch.setattr("urdfcheck.model.mesh_colors.read_text_or_nothing", lambda path, _: read.append(path) or "")
+    assert list_colors(check_text(model, PAINTED, scene=True)) == [None, None]
+    assert not [path for path in read if not Path(path).resolve().is_relative_to(model)]
+
+
+def test_a_large_library_is_not_read(tmp_path, monkeypatch):
+    for folder in ("meshes", "other"):
+        paint(tmp_path / folder, "Kd 1 0 0")
+    monkeypatch.setattr("urdfcheck.model.mesh_colors.MAX_LIBRARY", 10)
+    assert list_colors(check_text(tmp_path, PAINTED, scene=True)) == [None, None]
+
+
+def test_a_changed_library_changes_the_picture_of_a_kept_report(tmp_path):
+    paint(tmp_path / "meshes", "Kd 1 0 0")
+    paint(tmp_path / "other", "Kd 1 0 0")
+    (tmp_path / "painted.urdf").write_text(PAINTED)
+    pages = []
+    for color in ("1 0 0", "0 0.25 0", "0 0.25 0"):
+        (tmp_path / "other" / "box.mtl").write_text(f"newmtl paint\nKd {color}\n")
+        command("check", "painted.urdf", "--fail-on", "never", "-o", "html=page.html", cwd=tmp_path)
+        pages.append((tmp_path / "page.html").read_text())
+    assert ['"color":[0,0.25,0,1]' in page or '"color":[0.0,0.25,0.0,1.0]' in page for page in pages] == [
+        False,
+        True,
+        True,
+    ]

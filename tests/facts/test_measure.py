@@ -36,6 +36,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.mesh import assimp, decode_limits
 from urdfcheck.facts.mesh.decode_limits import MeshError
+from urdfcheck.facts.mesh.formats.obj_materials import parse_material_library
 from urdfcheck.facts.mesh.measure import MeshFacts, compute_mesh_solid, measure_mesh, restore_mesh_facts
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 
@@ -1039,3 +1040,111 @@ def test_faces_of_a_collada_file_have_the_colours_of_their_materials():
 
 def test_formats_without_colours_have_none():
     assert measure_mesh(BOX.export(file_type="stl"), "stl").colors is None
+    assert measure_mesh(BOX.export(file_type="obj", include_color=False).encode(), "obj").materials is None
+
+
+def with_material(mesh: trimesh.Trimesh, **changes: object) -> bytes:
+    """The mesh as glTF whose only material has these entries."""
+    document = json.loads(gltf(mesh))
+    document["materials"] = [{"pbrMetallicRoughness": {"baseColorFactor": [0.5, 0.0, 1.0, 0.25]}, **changes}]
+    for own in document["meshes"]:
+        for primitive in own["primitives"]:
+            primitive["material"] = 0
+    return json.dumps(document).encode()
+
+
+@pytest.mark.parametrize(
+    ("changes", "color"),
+    [
+        ({}, (0.735357, 0.0, 1.0, 1.0)),
+        ({"alphaMode": "BLEND"}, (0.735357, 0.0, 1.0, 0.25)),
+        ({"pbrMetallicRoughness": {}}, (1.0, 1.0, 1.0, 1.0)),
+        ({"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}, None),
+        ({"pbrMetallicRoughness": {}, "extensions": {"KHR_materials_pbrSpecularGlossiness": {}}}, None),
+        ({"pbrMetallicRoughness": {"baseColorFactor": [2, 0, 0, 1]}}, None),
+        ({"pbrMetallicRoughness": {"baseColorFactor": "red"}}, None),
+        ({"pbrMetallicRoughness": 7}, None),
+    ],
+    ids=str,
+)
+def test_the_base_colour_of_gltf_is_that_of_its_faces(changes, color):
+    facts = measure_mesh(with_material(BOX, **changes), "gltf")
+    assert facts.n_triangles == len(BOX.faces)
+    if color is None:
+        assert facts.colors is None
+    else:
+        of_face, rgba = facts.colors
+        assert_allclose(rgba[of_face], [color] * len(facts.faces), atol=1e-6)
+
+
+def obj_of(*boxes: tuple[str, trimesh.Trimesh], head: str = "mtllib a b.mtl\n") -> bytes:
+    lines, count = [head], 0
+    for material, box in boxes:
+        lines += [f"v {x} {y} {z}\n" for x, y, z in box.vertices]
+        lines.append(f"usemtl {material}\n" if material else "")
+        lines += [f"f {a} {b} {c}\n" for a, b, c in box.faces + 1 + count]
+        count += len(box.vertices)
+    return "".join(lines).encode()
+
+
+def test_faces_of_obj_have_the_names_of_their_materials():
+    lower, upper = trimesh.creation.box((1, 1, 1)), trimesh.creation.box((1, 1, 1))
+    upper.apply_translation((0, 1, 1))
+    parts: dict = {}
+    measure_mesh(obj_of(("", lower), ("dark  blue", upper)), "obj", parts)
+    facts = restore_mesh_facts(parts)
+    materials = facts.materials
+    assert (materials.names, materials.libraries) == (("dark blue",), ("a b.mtl",))
+    is_upper = facts.vertices[facts.faces][:, :, 1:].sum(axis=2).mean(axis=1) > 1.0
+    assert_allclose(materials.of_face, np.where(is_upper, 0, -1))
+    assert facts.colors is None
+    assert measure_mesh(obj_of(("blue", lower)), "obj").materials.of_face.tolist() == [0] * 12
+
+
+def test_the_materials_of_obj_change_no_measurement():
+    plain, colored = (
+        measure_mesh(obj_of((name, BOX), head=head), "obj") for name, head in (("", ""), ("m", "mtllib m\n"))
+    )
+    assert plain.parts["summary"]["text"].tobytes() == colored.parts["summary"]["text"].tobytes()
+    assert plain.materials is None
+    # Without a library the names say nothing.
+    assert measure_mesh(obj_of(("m", BOX), head=""), "obj").materials is None
+
+
+def test_a_material_library_gives_colours_to_names():
+    library = """# comment
+newmtl navy blue
+Kd 0 0.03 0.35 # beside it
+d 1.0
+newmtl glass
+Kd 0.5
+Tr 0.75
+newmtl veil
+Kd 1 0 0
+d -halo 0.5
+newmtl hidden
+Kd 0 1 0
+d 0
+newmtl image
+Kd 1 1 1
+map_Kd a.png
+newmtl spectrum
+Kd spectral a.rfl 1
+newmtl bright
+Kd 2 0 0
+newmtl bare
+newmtl glass
+Kd 0 0 0
+Kd
+d
+"""
+    assert parse_material_library(library) == {
+        "navy blue": (0.0, 0.03, 0.35, 1.0),
+        "glass": (0.5, 0.5, 0.5, 0.25),
+        "veil": (1.0, 0.0, 0.0, 0.5),
+        "hidden": (0.0, 1.0, 0.0, 1.0),  # a part that is not drawn could not be looked at
+        "image": None,
+        "spectrum": None,
+        "bright": None,
+        "bare": None,
+    }

@@ -13,8 +13,8 @@ from urdfcheck.core import Run, Severity
 from urdfcheck.output import github, gitlab, junit, markdown, rdjson, sarif, text
 from urdfcheck.output import json as json_format
 from urdfcheck.output.html import document as html
-from urdfcheck.output.shared.verdict.claim import describe_losses
 from urdfcheck.output.shared.verdict.effects import describe_hits, list_effects, list_new_effects
+from urdfcheck.output.shared.verdict.losses import describe_losses
 from urdfcheck.output.text import DetailLevel
 
 EFFECTS = {
@@ -142,8 +142,9 @@ def test_a_card_tells_news() -> None:
 
 def test_a_sensor_that_loses_its_data_is_no_part_of_the_model() -> None:
     frame = finding(consequences={"rviz": "drops the data of the sensor because it has no frame"})
-    assert describe_losses(a_run(frame)) == "RViz drops the data of a sensor"
+    assert describe_losses(a_run(frame)).by_problems == "RViz drops the data of a sensor"
     shape = finding(consequences={"rviz": "drops the shape", "gazebo": "drops the shape"})
-    assert describe_losses(a_run(frame, shape)) == "Gazebo and RViz drop a part of this model"
+    assert describe_losses(a_run(frame, shape)).by_problems == "Gazebo and RViz drop a part of this model"
     hidden = finding(consequences={"rviz": "drops the data of the sensor", "gazebo": "drops the shape"})
-    assert describe_losses(a_run(hidden)) == "Gazebo drops a part of this model, RViz drops the data of a sensor"
+    losses = describe_losses(a_run(hidden))
+    assert losses.by_problems == "Gazebo drops a part of this model, RViz drops the data of a sensor"

@@ -676,6 +676,13 @@ def test_the_title_names_who_refuses_the_model() -> None:
     assert title(a_run(finding(consequences={"urdfdom": "refuses"}))) == (
         "1 error to repair; urdfdom, Pinocchio, Gazebo and 3 more refuse this model"
     )
+    note = finding(severity=Severity.INFO, consequences=refused)
+    unlisted = replace(run, findings=(), unrequested=(note,))
+    assert title(unlisted) == "No errors and no warnings · MuJoCo and Drake refuse this model: why is in the notes (-v)"
+    assert render(unlisted, "markdown").splitlines()[1].startswith("### ℹ️ ")
+    assert title(replace(run, findings=(finding(consequences={}),), unrequested=(note,))) == (
+        "1 error to repair · MuJoCo and Drake refuse this model: why is in the notes (-v)"
+    )
     two = replace(run, models=(*run.models, replace(run.models[0], id="b")))
     assert render(two, "markdown").splitlines()[1] == "### ❌ urdfcheck: 1 error to repair"
 

@@ -44,7 +44,7 @@ from urdfcheck.core import (
     Suppression,
 )
 from urdfcheck.core.scene import Scene, SceneFrame
-from urdfcheck.output.html import render
+from urdfcheck.output.html import iter_report_pages, render
 from urdfcheck.output.html.html_text import (
     escape_html,
     format_millimetres,
@@ -201,13 +201,39 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
         (a_run(finding(consequences={})), "1 error"),
         (
             a_run(finding(consequences={}), unrequested=(finding(severity=Severity.INFO),)),
-            "1 error: MuJoCo refuses this model",
+            "1 error · MuJoCo refuses this model: the notes say why",
+        ),
+        (
+            a_run(finding(), finding(severity=Severity.WARNING, consequences={"drake": "refuses"})),
+            "1 error, 1 warning: MuJoCo and Drake refuse this model",
+        ),
+        (
+            a_run(
+                finding(),
+                finding(severity=Severity.WARNING, consequences={}),
+                unrequested=(finding(severity=Severity.INFO, consequences={"mujoco": "refuses", "drake": "drops it"}),),
+            ),
+            "1 error: MuJoCo refuses this model · Drake drops a part of this model: the notes say why",
         ),
         (a_run(finding(severity=Severity.WARNING, consequences={})), "No errors, 1 warning"),
         (a_run(finding(severity=Severity.WARNING)), "No errors, 1 warning: MuJoCo refuses this model"),
         (a_run(finding(), models=(info(), info(id="2", path="arm.urdf"))), "1 error in 1 of 2 models"),
-        (a_run(finding(severity=Severity.INFO)), "No errors and no warnings"),
-        (a_run(finding(suppressed=Suppression("source", "known"))), "No errors and no warnings"),
+        (
+            a_run(finding(severity=Severity.INFO)),
+            "No errors and no warnings · MuJoCo refuses this model: the notes say why",
+        ),
+        (
+            a_run(finding(suppressed=Suppression("source", "known"))),
+            "No errors and no warnings · MuJoCo refuses this model: what says why is suppressed",
+        ),
+        (
+            a_run(
+                unrequested=(finding(severity=Severity.INFO, model="2"),),
+                findings=(),
+                models=(info(), info(id="2", path="arm.urdf")),
+            ),
+            "No errors and no warnings · programs refuse 1 of 2 models: the notes say why",
+        ),
         (
             a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)),
             "Not checked: the model could not be read",
@@ -231,6 +257,37 @@ def test_verdict_is_one_claim(run: Run, verdict: str) -> None:
 def test_the_sign_of_the_verdict_is_a_tick_unless_something_is_refused(changes: dict[str, Any], sign: str) -> None:
     html = render(a_run(finding(**{"severity": Severity.WARNING, **changes})))
     assert f'<p class="verdict {sign}">' in html
+
+
+def test_no_tick_stands_beside_a_program_that_refuses_the_model() -> None:
+    note = finding(severity=Severity.INFO)
+    html = render(a_run(findings=(), unrequested=(note,)))
+    assert '<p class="verdict info">' in html
+    assert '<p class="clean info">' in html
+    # It is what the reader wants to know: the note is on the page, also on that of a folder.
+    assert 'class="card info"' in html
+    assert 'class="card info"' in dict(iter_report_pages(a_run(findings=(), unrequested=(note,))))["rover.html"]
+    assert 'class="card' not in render(a_run(findings=(), unrequested=(note,), targets=("gazebo",)))
+
+
+@pytest.mark.parametrize(("severity", "sign"), [(Severity.INFO, "info"), (Severity.WARNING, "warning")], ids=str)
+def test_no_tick_stands_over_several_models_of_which_one_is_refused(severity: Severity, sign: str) -> None:
+    two = (info(), info(id="2", path="arm.urdf"))
+    run = a_run(finding(severity=severity), models=two)
+    assert f'<p class="verdict {sign}">' in render(run)
+    assert f'<p class="verdict {sign}">' in dict(iter_report_pages(run))["index.html"]
+    assert '<p class="verdict ok">' in dict(iter_report_pages(a_run(findings=(), models=two)))["index.html"]
+    unread = (info(), info(id="2", path="arm.urdf", status="failed"))
+    assert "programs refuse" not in render(a_run(finding(severity=Severity.INFO, model="2"), models=unread))
+
+
+def test_a_chip_says_that_its_reason_is_not_listed() -> None:
+    hidden = finding(severity=Severity.INFO, consequences={"kdl": "ignores the inertia"})
+    html = render(a_run(unrequested=(hidden,)))
+    (chip,) = re.findall(r'<a class="chip [^>]*data-program="kdl"[^>]*>', html)
+    assert "data-unlisted" in chip
+    assert "KDL loads it changed: ignores a part (why is in the notes: -v)" in chip
+    assert html.count("data-unlisted") - html.count("data-unlisted]") == 1
 
 
 def test_what_was_not_checked_comes_with_the_command_and_its_cause_first() -> None:

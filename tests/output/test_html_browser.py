@@ -240,9 +240,10 @@ def test_a_chip_filters_to_what_its_program_minds(page: Any) -> None:
 
 def test_a_chip_whose_reasons_are_not_reported_says_so(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "unasked.html"
-    path.write_text(render(a_run(about("base", consequences={}), unrequested=(finding(),))), encoding="utf-8")
+    hidden = finding(consequences={"mujoco": "replaces the inertia"})
+    path.write_text(render(a_run(about("base", consequences={}), unrequested=(hidden,))), encoding="utf-8")
     page = opened(browser, path.as_uri())
-    page.locator(".programs button.error", has_text="MuJoCo").click()
+    page.locator(".programs button.warning", has_text="MuJoCo").click()
     assert page.inner_text("#nothing").startswith("Why MuJoCo minds is in notes that only -v reports")
     page.locator(".programs button.ok").first.click()
     assert page.inner_text("#nothing") == "No finding matches these filters."

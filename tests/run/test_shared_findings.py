@@ -10,16 +10,17 @@ from xml.etree import ElementTree
 import pytest
 from builders import joint, link, robot
 from conftest import check
+from output.runs import finding, span_of
 from real_robots import find_lost_defects, list_defects, record_reported
 
 from urdfcheck.cli import FINDINGS, OK, main
-from urdfcheck.core import Run
+from urdfcheck.core import Location, Run, Severity
 from urdfcheck.output import github, gitlab, html, junit, markdown, rdjson, sarif, text
 from urdfcheck.output.json import render as render_json
 from urdfcheck.policy.baseline import collect_entries
 from urdfcheck.policy.config_resolver import ConfigResolver
 from urdfcheck.rules import load_rules
-from urdfcheck.run.shared_findings import is_computed
+from urdfcheck.run.shared_findings import count_more_notes, is_computed, merge_unrequested
 
 XACRO = '<robot name="{}" xmlns:xacro="http://www.ros.org/wiki/xacro">{}</robot>'
 # The formula of izz is wrong for any mass and radius; then the number is handed on from the call.
@@ -383,3 +384,18 @@ def test_what_one_macro_repeats_is_counted_once_however_many_robots_call_it(tmp_
     assert (finding.message_id, len(finding.occurrences)) == ("twice", 2)
     assert [len(subjects) for subjects in finding.variants.values()] == [2, 2]
     assert finding.headline.endswith("(+1 more)")
+
+
+def test_notes_that_were_not_asked_for_are_merged_like_those_of_the_report() -> None:
+    notes = [
+        finding(
+            severity=Severity.INFO,
+            location=Location(f"link[{name}]", span_of(name)),
+            subjects=(f"link[{name}]",),
+            fix=None,
+        )
+        for name in ("base", "wheel")
+    ]
+    (merged,) = merge_unrequested(notes, [])
+    assert len(merged.occurrences) == 2
+    assert count_more_notes([], [merged], []) == 1

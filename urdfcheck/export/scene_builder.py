@@ -22,6 +22,7 @@ from urdfcheck.core.scene import (
 )
 from urdfcheck.model import Joint, Link, Model, Shape
 from urdfcheck.model.ground.wheels import rolling_wheels
+from urdfcheck.model.mesh_colors import find_mesh_colors
 from urdfcheck.model.motion.collisions.self_collisions import self_collisions
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Pose
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_link_solid
@@ -231,15 +232,18 @@ def _build_meshes(model: Model, files: Sequence[Path]) -> Iterator[SceneMesh]:
     distinct = {model.meshes.digests.get(path, ""): facts[path].n_triangles for path in files if path in facts}
     total = sum(distinct.values())
     share = 1.0 if total <= MOST_TRIANGLES else MOST_TRIANGLES / total
-    drawings: dict[str, tuple[SceneDrawing, ...]] = {}
+    # Copies of one file may lie beside different colours.
+    drawings: dict[tuple[str, bytes], tuple[SceneDrawing, ...]] = {}
     for path in files:
         name, digest, mesh = format_path(path), model.meshes.digests.get(path, ""), facts.get(path)
         if mesh is None:
             error = model.meshes.errors.get(path)
             yield SceneMesh(name=name, digest=digest, problem="" if error is None else error.message)
             continue
-        if digest not in drawings:
-            drawings[digest] = tuple(_build_drawings(mesh, share))
+        colors = find_mesh_colors(path, mesh, model.source.finder)
+        key = digest, b"" if colors is None or mesh.materials is None else b"".join(part.tobytes() for part in colors)
+        if key not in drawings:
+            drawings[key] = tuple(_build_drawings(mesh, share, colors))
         extents = mesh.bounds[1] - mesh.bounds[0]
         yield SceneMesh(
             name=name,
@@ -251,15 +255,17 @@ def _build_meshes(model: Model, files: Sequence[Path]) -> Iterator[SceneMesh]:
             unit=mesh.unit,
             watertight=mesh.watertight,
             open_edges=mesh.open_edges,
-            drawings=drawings[digest],
+            drawings=drawings[key],
         )
 
 
-def _build_drawings(facts: MeshFacts, share: float) -> Iterator[SceneDrawing]:
-    """Yield the drawings of a mesh, one for each of its colours; the first has the holes of all."""
+def _build_drawings(facts: MeshFacts, share: float, colors: tuple[Indices, Array] | None) -> Iterator[SceneDrawing]:
+    """Yield the drawings of a mesh, one for each of its colours; the first has the holes of all.
+
+    ``colors``: as of `MeshFacts.colors`.
+    """
     import numpy as np
 
-    colors = facts.colors
     if colors is None:
         yield _build_drawing(facts, facts.faces, color=None, share=share, holes=_select_hole_edges(facts))
         return

@@ -17,7 +17,7 @@ from urdfcheck.policy.suppression import report_bad_comments
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.findings import finalize_run_findings
 from urdfcheck.run.jobs import Request, Unit, UnitReport
-from urdfcheck.run.shared_findings import count_more_notes
+from urdfcheck.run.shared_findings import count_more_notes, merge_unrequested
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.plan import Plan
 from urdfcheck.system import libraries
@@ -60,7 +60,8 @@ def build_run(request: Request, plan: Plan, *, audited_units: AuditedUnits, seco
             yield from _report_outdated(known, view, names)
 
     findings, notes = finalize_run_findings(audited_units, request.policy, across_models=across_models, review=review)
-    unrequested = (*(finding for report in reports for finding in report.unrequested), *notes)
+    left_out = (*(finding for report in reports for finding in report.unrequested), *notes)
+    unrequested = tuple(merge_unrequested(left_out, units))
     return Run(
         models=models,
         findings=findings,

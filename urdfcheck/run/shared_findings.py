@@ -206,11 +206,19 @@ def merge_kinds(findings: Iterable[Finding], units: Iterable[Unit] = ()) -> list
     return merge_alike(findings, load_rules(), get_kind)
 
 
-def count_more_notes(findings: Iterable[Finding], unrequested: Iterable[Finding], units: Iterable[Unit]) -> int:
-    """Count by how many notes a report grows that lists the ones that were not asked for: one of each kind in a file."""
+def merge_unrequested(unrequested: Iterable[Finding], units: Iterable[Unit]) -> list[Finding]:
+    """Merge the notes that were not asked for as those of a report are: the HTML report lists some of them."""
     units = list(units)
+    return merge_kinds(merge_across_models(unrequested, units), units)
+
+
+def count_more_notes(findings: Iterable[Finding], unrequested: Iterable[Finding], units: Iterable[Unit]) -> int:
+    """Count by how many notes a report grows that lists the ones that were not asked for: one of each kind in a file.
+
+    ``unrequested``: as `merge_unrequested` returns them.
+    """
     shown = [f for f in findings if f.severity is Severity.INFO and f.suppressed is None]
-    alike = merge_kinds([*iter_occurrences(shown), *merge_across_models(unrequested, units)], units)
+    alike = merge_kinds(iter_occurrences([*shown, *unrequested]), units)
     return max(len(alike) - len(shown), 0)
 
 

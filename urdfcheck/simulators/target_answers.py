@@ -144,7 +144,7 @@ def _state_answers(run: Run, audited: AuditedRun) -> Run:
         if len(places) > 1:
             named = set(_NAME.findall("; ".join(answer.reasons)))
             places = [p for p in places if named & {*_SUBJECT.findall(" ".join(_list_subjects(findings[p], answer)))}]
-        notes = [f for f in run.unrequested if f.model == answer.model]
+        notes = [f for f in run.unrequested if answer.model in f.subjects_by_model]
         if len(places) == 1:
             told = findings[places[0]]
             sentence = f"refused it here (version {answer.version}): {'; '.join(answer.reasons)}"

@@ -20,6 +20,7 @@ from urdfcheck.facts.mesh.decode_limits import MeshError, ensure_size_limits
 from urdfcheck.facts.mesh.formats.binary_stl import HEADER, BinaryStl, count_facets, read_binary_stl
 from urdfcheck.facts.mesh.formats.gltf import read_glb_parts, read_gltf_parts
 from urdfcheck.facts.mesh.formats.number_text import TokenizedText
+from urdfcheck.facts.mesh.formats.obj_materials import ObjMaterials, read_obj_materials
 from urdfcheck.facts.mesh.formats.ply import read_ply
 from urdfcheck.facts.mesh.formats.polygons import (
     make_bad_line_error,
@@ -66,6 +67,8 @@ class RawMesh:
     colors: tuple[tuple[int, Color | None], ...] = ()
     """Runs of faces with the r g b a (0 to 1, as shown) of their material, None without one; empty if the format or file has no
     colours."""
+    materials: ObjMaterials | None = None
+    """Of OBJ, whose colours are in other files."""
     flaw: str | None = None
     """What is wrong with the file for stricter readers of its format, although all its triangles are here."""
     doubt: str | None = None
@@ -94,7 +97,8 @@ def decode_mesh(
         if isinstance(data, BinaryStl):
             mesh = _make_binary_stl(data)
         elif file_type in _GLTF_READERS:
-            mesh = _join_parts(file_type, _GLTF_READERS[file_type](data, files or {}))
+            parts, colors = _GLTF_READERS[file_type](data, files or {})
+            mesh = replace(_join_parts(file_type, parts), colors=colors)
         else:
             mesh = _DECODERS[file_type](data)
     except (MeshError, ImportError, MemoryError):
@@ -212,7 +216,8 @@ def _decode_obj(data: bytes) -> RawMesh:
         before = np.repeat(np.cumsum(is_vertex, dtype=np.int32)[is_face], polygons - 2)[:, None]
         faces += np.where(faces < 0, before + 1, 0)
     faces -= 1
-    return _build_checked_mesh("obj", vertices, faces)
+    mesh = _build_checked_mesh("obj", vertices, faces)
+    return replace(mesh, materials=read_obj_materials(text, starts, counts, is_face)) if b"usemtl" in data else mesh
 
 
 def _decode_off(data: bytes) -> RawMesh:

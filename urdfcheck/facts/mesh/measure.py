@@ -68,6 +68,17 @@ _BLOCK = 4096
 _INFINITE = 3.4e38
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class FaceMaterials:
+    """The materials of the faces of a mesh, by name."""
+
+    of_face: Indices
+    """Index (F,) in ``names``, -1 for none."""
+    names: tuple[str, ...]
+    libraries: tuple[str, ...]
+    """The files that describe them, as written."""
+
+
 @dataclass(frozen=True, eq=False, repr=False, kw_only=True)
 class MeshFacts:
     """A mesh with its measurements. Arrays are read-only; lengths are in file units.
@@ -158,11 +169,20 @@ class MeshFacts:
     @property
     def colors(self) -> tuple[Indices, Array] | None:
         """Index (F,) of each face's colour in a list, -1 for none, and that list (n, 4), r g b a from 0 to 1; None if the file
-        has no colours, or a format whose colours are not read (all but COLLADA)."""
+        has no colours, or a format whose colours are not read (all but COLLADA and glTF; of OBJ see `materials`)."""
         if "colors" not in self.parts:
             return None
         part = self.parts["colors"]
         return part["faces"].astype(np.int64), np.asarray(part["rgba"], dtype=np.float64)
+
+    @property
+    def materials(self) -> FaceMaterials | None:
+        """The materials of OBJ, whose colours are in other files; None if the file names none."""
+        if "materials" not in self.parts:
+            return None
+        part = self.parts["materials"]
+        names, libraries = _decode_json(part["text"])
+        return FaceMaterials(part["faces"].astype(np.int64), tuple(names), tuple(libraries))
 
     @cached_property
     def boundaries(self) -> tuple[Boundary, ...]:
@@ -326,7 +346,8 @@ def restore_mesh_facts(parts: Parts, remeasure: Callable[[], object] | None = No
 def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     n_triangles = raw.n_triangles
     surface, non_finite = _weld_finite_triangles(raw)
-    if not raw.colors:  # what is measured next takes several times the memory of the triangles as they were stored
+    labels = raw.colors or (raw.materials.runs if raw.materials else ())
+    if not _differ(labels):  # what is measured next takes several times the memory of the triangles as they were stored
         raw = replace(raw, vertices=np.empty((0, 3)), faces=None)
     edges = classify_edges(surface.faces, len(surface.vertices))
     weld_distance = 0.0
@@ -341,8 +362,12 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     }
     if edges.distinct_faces:
         parts["duplicates"] = {"count": np.array(0)}
-    if raw.colors and raw.faces is not None:
-        parts["colors"] = _collect_face_colors(raw, raw.faces, surface)
+    if labels:
+        values, of_face = _label_faces(raw, labels, surface)
+        if raw.materials is None:
+            parts["colors"] = {"faces": of_face, "rgba": np.array(values)}
+        else:
+            parts["materials"] = {"faces": of_face, "text": _encode_json([values, raw.materials.libraries])}
     fields: dict[str, Any] = {
         "format": raw.format,
         "solid_header": raw.solid_header,
@@ -379,20 +404,26 @@ def _measure_raw_mesh(raw: RawMesh, parts: Parts) -> MeshFacts:
     return facts
 
 
-# The most colours of one file that are distinguished.
-_MOST_COLORS = 100
+# The most colours, or materials, of one file that are distinguished.
+_MOST_LABELS = 100
 
 
-def _collect_face_colors(raw: RawMesh, faces: Indices, surface: Surface) -> dict[str, NDArray[Any]]:
-    """Collect what `MeshFacts.colors` returns; ``faces`` are those of ``raw``."""
-    rgba = list(dict.fromkeys(color for _, color in raw.colors if color is not None))[:_MOST_COLORS]
-    place = {color: i for i, color in enumerate(rgba)}
-    number = np.array([-1 if color is None else place.get(color, -1) for _, color in raw.colors])
-    of_face = np.append(np.repeat(number, [count for count, _ in raw.colors]), -1)
-    return {
-        "faces": of_face[find_face_origins(raw.vertices, faces, surface)].astype(np.int8),
-        "rgba": np.array(rgba),
-    }
+def _differ(labels: Sequence[tuple[int, object]]) -> bool:
+    """Whether the faces of a mesh do not all have the same colour or material."""
+    return len({label for count, label in labels if count}) > 1
+
+
+def _label_faces(
+    raw: RawMesh, labels: Sequence[tuple[int, Any]], surface: Surface
+) -> tuple[list[Any], NDArray[np.int8]]:
+    """Return the colours, or names of materials, that the runs of ``labels`` have, and the index of each face's, -1 for none."""
+    values = list(dict.fromkeys(label for count, label in labels if count and label is not None))[:_MOST_LABELS]
+    if not _differ(labels) or raw.faces is None:
+        return values, np.full(len(surface.faces), 0 if values else -1, dtype=np.int8)
+    place = {value: i for i, value in enumerate(values)}
+    number = np.array([-1 if label is None else place.get(label, -1) for _, label in labels])
+    of_face = np.append(np.repeat(number, [count for count, _ in labels]), -1)
+    return values, of_face[find_face_origins(raw.vertices, raw.faces, surface)].astype(np.int8)
 
 
 def _weld_finite_triangles(raw: RawMesh) -> tuple[Surface, int]:

@@ -20,6 +20,7 @@ from urdfcheck.output.html.sections.unused_macros import render_unused_macros
 from urdfcheck.output.html.viewer.scene_data import build_scene_data
 from urdfcheck.output.html.viewer.viewer_page import read_viewer_style, render_viewer, render_viewer_scripts
 from urdfcheck.output.shared.escaping import escape_for_html, escape_for_json
+from urdfcheck.output.shared.verdict.losses import list_refusing_notes
 
 KEYS = (
     ("/", "search the findings"),
@@ -34,6 +35,7 @@ KEYS = (
 
 def render(run: Run) -> str:
     """Render the whole document. Only the text of ``class="seconds"`` differs between equal runs."""
+    run = list_refusing_notes(run)
     return render_document(run, collect_report_parts(run), title=make_report_title(run))
 
 

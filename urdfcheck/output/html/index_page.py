@@ -30,6 +30,7 @@ from urdfcheck.output.html.sections.unused_macros import render_unused_macros
 from urdfcheck.output.shared.audit.unit_lines import AuditSummary, RuleCount, UnitRow, build_unit_line, parse_unit_line
 from urdfcheck.output.shared.escaping import escape_for_html
 from urdfcheck.output.shared.robot_picture import render_scene
+from urdfcheck.output.shared.verdict.losses import Losses, describe_losses
 from urdfcheck.output.shared.verdict.not_checked import STATUS_WORDS
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, get_base_name
 
@@ -42,6 +43,7 @@ THUMBNAIL_SIZE = (160, 120)
 # More pictures would make the page slow to open.
 MOST_THUMBNAILS = 300
 _SENTENCE = re.compile(r".{40,}?[.:](?=\s+[A-Z])", re.DOTALL)
+_NO_LOSSES = Losses()
 _KINDS = (("model", "Models"), ("launch", "Launch files"), ("package", "Packages"))
 
 
@@ -54,10 +56,12 @@ def iter_audit_page(
     links: Mapping[str, str] = MappingProxyType({}),
     thumbnails: Mapping[str, bytes] = MappingProxyType({}),
     unused_macro_files: Sequence[str] = (),
+    losses: Losses = _NO_LOSSES,
 ) -> Iterator[str]:
     """Yield the document in pieces of whole lines, which are the same for equal summaries and rows.
 
-    ``links``: the files with the pages about single units, by the id of the unit; ``thumbnails``: their pictures, as PNG."""
+    ``links``: the files with the pages about single units, by the id of the unit; ``thumbnails``: their pictures, as PNG;
+    ``losses``: what programs lose of the models, where that is known."""
     pieces = _iter_page_pieces(
         summary,
         rows,
@@ -66,6 +70,7 @@ def iter_audit_page(
         links=links,
         thumbnails=thumbnails,
         unused_macro_files=unused_macro_files,
+        losses=losses,
     )
     return map(escape_for_html, pieces)
 
@@ -86,6 +91,7 @@ def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence
         links=links,
         thumbnails=pictures,
         unused_macro_files=run.unused_macro_files,
+        losses=describe_losses(run),
     )
     return "".join(page)
 
@@ -117,6 +123,7 @@ def _iter_page_pieces(
     links: Mapping[str, str],
     thumbnails: Mapping[str, bytes],
     unused_macro_files: Sequence[str],
+    losses: Losses,
 ) -> Iterator[str]:
     title = f"{format_whole_number(summary.kinds['model'])} model{'' if summary.kinds['model'] == 1 else 's'}"
     style, script = read_style_sheet() + read_asset("index.css"), read_index_script()
@@ -124,7 +131,7 @@ def _iter_page_pieces(
     yield f"""{render_document_head(title, style, [script])}<body class="index">
 {SYMBOLS}
 <a class="skip" href="#models">Skip to the models</a>
-{_render_header(summary, title, version)}
+{_render_header(summary, title, version, losses)}
 <div class="page">
 <main id="content">
 {notices}{_render_worst_models(summary, links, thumbnails)}
@@ -142,8 +149,11 @@ def _iter_page_pieces(
 # -- head --------------------------------------------------------------------------------------------------------------
 
 
-def _render_header(summary: AuditSummary, title: str, version: str) -> str:
+def _render_header(summary: AuditSummary, title: str, version: str, losses: Losses) -> str:
     kind, verdict = _summarize_verdict(summary)
+    if kind == "ok" and losses.is_any:
+        kind = "warning" if summary.counts[Severity.WARNING] else "info"
+    verdict += f" · {losses.by_others}" if losses.by_others else ""
     tiles = "".join(_render_severity_tile(severity, summary.counts[severity]) for severity in SEVERITY_ORDER)
     facts = [(name, format_whole_number(summary.kinds[kind])) for kind, name in _KINDS if summary.kinds[kind]]
     checked = summary.statuses["checked"]

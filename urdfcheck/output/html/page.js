@@ -84,7 +84,7 @@ const chips = Array.from(document.querySelectorAll(".programs a"), (link) => {
   const { model } = button.closest(".programs").dataset;
   button.addEventListener("click", () => {
     const isOn = program?.name === name && program.model === model;
-    program = isOn ? null : { model, name, isOk: link.classList.contains("ok"), label: link.title.slice(0, -button.querySelector(".sr").textContent.length) };
+    program = isOn ? null : { model, name, isUnlisted: "unlisted" in link.dataset, label: link.title.slice(0, -button.querySelector(".sr").textContent.length) };
     search(!isOn);
   });
   return { button, model, name };
@@ -132,9 +132,9 @@ function filter() {
   // One flat list: the tables and all else are out of the way meanwhile.
   main.toggleAttribute("data-filtered", isActive);
   const nothing = by("nothing");
-  nothing.hidden = !isActive || count > 0;
-  const isUnasked =
-    program && !program.isOk && !findings.some(({ model, programs }) => model.id === program.model && programs.includes(program.name));
+  // What is listed is not the worst that the program does.
+  const isUnasked = Boolean(program?.isUnlisted);
+  nothing.hidden = !isActive || (count > 0 && !isUnasked);
   if (isUnasked) nothing.textContent = `Why ${program.label} minds is in notes that only -v reports; the table "In each program" names the rules.`;
   else nothing.textContent = nothing.hidden ? "" : `No finding matches ${find.value.trim() ? `"${find.value.trim()}"` : "these filters"}.`;
   for (const { button, model, name } of chips)

@@ -20,6 +20,8 @@ class ProgramMark:
     program: str
     kind: str
     words: str
+    is_listed: bool = True
+    """Whether the report lists why, if it is not only that the program loads the model."""
 
     @property
     def name(self) -> str:
@@ -27,18 +29,28 @@ class ProgramMark:
         return PROGRAM_NAMES.get(self.program, self.program)
 
 
-def mark_programs(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[ProgramMark]:
-    """Return a mark for each program: the worst of what it does with the model and, when launched, with its launch files."""
+def mark_programs(
+    findings: Iterable[Finding], rules: Mapping[str, Rule], listed: Iterable[Finding] | None = None
+) -> list[ProgramMark]:
+    """Return a mark for each program: the worst of what it does with the model and, when launched, with its launch files.
+
+    ``listed``: those of the findings that the report lists, if it leaves out notes.
+    """
     findings = list(findings)
+    shown = predict_outcomes(findings if listed is None else listed)
     launched = select_launch_findings(findings, rules)
     marks = []
     for program, outcome in predict_outcomes(findings).items():
         kind, words = rate_verdict(outcome.verdict), describe_outcome(outcome.verdict)
+        is_listed = shown[program].verdict is outcome.verdict
         for finding in launched:
             effect = mark_effect(finding, program, rules)
             if _KINDS.index(effect) > _KINDS.index(kind):
                 kind, words = effect, f"when launched: {finding.consequences[program]}"
-        marks.append(ProgramMark(program, kind, words))
+                is_listed = True
+        marks.append(
+            ProgramMark(program, kind, words if is_listed else f"{words} (why is in the notes: -v)", is_listed)
+        )
     return marks
 
 

@@ -11,6 +11,7 @@ from urdfcheck.core import Run
 from urdfcheck.output.html.document import render_document
 from urdfcheck.output.html.index_page import render_run_index
 from urdfcheck.output.html.report_parts import ReportPart, collect_report_parts
+from urdfcheck.output.shared.verdict.losses import list_refusing_notes
 
 INDEX = "index.html"
 LONGEST_NAME = 60
@@ -22,6 +23,7 @@ def iter_report_pages(run: Run) -> Iterator[tuple[str, str]]:
     """Yield the name and text of each file of a report in one folder.
 
     There is a complete page for each part of the run, and last :data:`INDEX` with a row for each of them."""
+    run = list_refusing_notes(run)
     parts = collect_report_parts(run)
     names = make_unique_file_names(part.title for part in parts)
     for part, name in zip(parts, names, strict=True):

@@ -14,7 +14,8 @@ from urdfcheck.output.markdown.explanations import wrap_in_fence
 from urdfcheck.output.markdown.finding_rows import SIGNS
 from urdfcheck.output.shared.escaping import escape_for_markdown, escape_one_line, format_code_span
 from urdfcheck.output.shared.mermaid_chart import build_mermaid_chart
-from urdfcheck.output.shared.verdict.claim import describe_losses
+from urdfcheck.output.shared.verdict.claim import grade_by_losses
+from urdfcheck.output.shared.verdict.losses import describe_losses
 from urdfcheck.output.shared.verdict.not_checked import (
     ACCEPTING_KEY,
     ACCEPTING_OPTION,
@@ -28,7 +29,7 @@ from urdfcheck.output.shared.verdict.not_checked import (
 from urdfcheck.output.shared.verdict.verdict import describe_checked_units, summarize_verdict
 from urdfcheck.output.shared.wording import SEVERITY_ORDER, describe_found_arguments, format_count
 
-VERDICT_SIGNS = {"error": "❌", "unchecked": GLYPH, "warning": "⚠️", "ok": "✅"}
+VERDICT_SIGNS = {"error": "❌", "unchecked": GLYPH, "warning": "⚠️", "info": "ℹ️", "ok": "✅"}
 # Models that are named together.
 MOST_NAMED = 5
 MOST_TREES = 5
@@ -38,7 +39,9 @@ def add_verdict(page: BoundedPage, run: Run) -> None:
     """Add the claim as a title, the counts, and what was not checked."""
     kind, sentence = summarize_verdict(run)
     losses = describe_losses(run)
-    page.add_lines(f"### {VERDICT_SIGNS[kind]} {_describe_robot(run)}: {sentence}{losses and f'; {losses}'}", "")
+    claim = "; ".join(filter(None, (sentence, losses.by_problems)))
+    claim = " · ".join(filter(None, (claim, losses.by_others)))
+    page.add_lines(f"### {VERDICT_SIGNS[grade_by_losses(kind, losses)]} {_describe_robot(run)}: {claim}", "")
     counts = " · ".join(f"{SIGNS[s]} {format_count(run.count_findings(s), str(s))}" for s in SEVERITY_ORDER)
     suppressed = sum(run.suppressed_counts.values())
     hidden = f" · {suppressed} known and not shown" if suppressed else ""

@@ -1,7 +1,8 @@
-"""glTF 2.0, as text and binary (GLB): the triangles that its default scene places. Materials, images, animations and skins
-are ignored, nothing is decompressed, and no other file is opened: the caller reads those that `list_buffer_files` names.
+"""glTF 2.0, as text and binary (GLB): the triangles that its default scene places, and the base colours of their materials.
+Images, animations and skins are ignored, nothing is decompressed, and no other file is opened: the caller reads those that
+`list_buffer_files` names.
 
-Khronos Group, *glTF 2.0 Specification*, sections 3.5 (scenes), 3.6 (accessors), 3.7 (primitives) and 4.4 (GLB).
+Khronos Group, *glTF 2.0 Specification*, sections 3.5 (scenes), 3.6 (accessors), 3.7 (primitives), 3.9 (materials) and 4.4 (GLB).
 """
 
 from __future__ import annotations
@@ -22,11 +23,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from urdfcheck.facts.arrays import Array, Indices, Mat4
+    from urdfcheck.facts.mesh.formats.collada import Color
 
     Json = Mapping[str, Any]
     Buffer = bytes | memoryview
     # The content of other files by URI, or why one is not read.
     Files = Mapping[str, bytes | MeshError]
+    # Placed vertices (V, 3), faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
+    Parts = list[tuple[Array, Indices, Mat4]]
+    # Runs of faces with the colour of their material; empty if there are none.
+    Colors = tuple[tuple[int, Color | None], ...]
 
 # The most files that the buffers of one document may be in: exporters write one.
 MOST_BUFFERS = 64
@@ -55,8 +61,8 @@ def list_buffer_files(data: bytes, file_type: str) -> tuple[str, ...]:
     return files
 
 
-def read_gltf_parts(data: bytes, files: Files = _NO_FILES) -> list[tuple[Array, Indices, Array]]:
-    """Read the placed vertices (V, 3), the faces (F, 3) and the matrix (4, 4) that placed them, for each primitive of each node.
+def read_gltf_parts(data: bytes, files: Files = _NO_FILES) -> tuple[Parts, Colors]:
+    """Read the parts, and the colours of their faces.
 
     ``files``: the content of other files by URI, or why one is not read.
 
@@ -65,7 +71,7 @@ def read_gltf_parts(data: bytes, files: Files = _NO_FILES) -> list[tuple[Array, 
     return _GltfDocument(*_parse_gltf(data), files).read_parts()
 
 
-def read_glb_parts(data: bytes, files: Files = _NO_FILES) -> list[tuple[Array, Indices, Array]]:
+def read_glb_parts(data: bytes, files: Files = _NO_FILES) -> tuple[Parts, Colors]:
     """Read the parts as :func:`read_gltf_parts` does, from the binary form."""
     return _GltfDocument(*_parse_glb(data), files).read_parts()
 
@@ -104,20 +110,44 @@ class _GltfDocument:
         self.files = files
         self.buffers: dict[int, Buffer] = {}
 
-    def read_parts(self) -> list[tuple[Array, Indices, Array]]:
+    def read_parts(self) -> tuple[Parts, Colors]:
         self.refuse_unread()
         placed = list(islice(self.iter_placed_meshes(), MOST_PLACED + 1))
         primitives = ((p, matrix) for mesh, matrix in placed for p in self.document["meshes"][mesh]["primitives"])
         drawn = list(islice((pair for pair in primitives if _get_primitive_mode(pair[0]) in _DRAWN), MOST_PLACED + 1))
         ensure_size_limits(sum(self.count_triangles(p) for p, _ in drawn), max(len(placed), len(drawn)))
-        parts = []
+        parts: Parts = []
+        colors: list[tuple[int, Color | None]] = []
         for primitive, matrix in drawn:
             points = self.read_accessor(primitive["attributes"]["POSITION"], "VEC3")
             if not np.array_equal(matrix, np.eye(4)):
                 points = points @ matrix[:3, :3].T
                 points += matrix[:3, 3]
-            parts.append((points, self.read_faces(primitive), matrix))
-        return parts
+            faces = self.read_faces(primitive)
+            parts.append((points, faces, matrix))
+            colors.append((len(faces), self.find_color(primitive)))
+        return parts, tuple(colors) if any(color is not None for _, color in colors) else ()
+
+    def find_color(self, primitive: Json) -> Color | None:
+        """Find the base colour of a primitive; None without a material, with an image or with a colour for each corner.
+
+        A material that cannot be read spoils no geometry.
+        """
+        try:
+            material = self.document["materials"][_parse_index(primitive["material"])]
+            surface = material.get("pbrMetallicRoughness", {})
+            if "baseColorTexture" in surface or "COLOR_0" in primitive["attributes"]:
+                return None
+            if not surface and material.get("extensions"):
+                return None  # described by an extension alone
+            red, green, blue, alpha = map(float, surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)))
+        except (KeyError, IndexError, TypeError, ValueError, AttributeError):
+            return None
+        if not all(0.0 <= part <= 1.0 for part in (red, green, blue, alpha)):
+            return None
+        # Unlike a material of the other formats, it is opaque unless it says otherwise.
+        alpha = (alpha or 1.0) if material.get("alphaMode") == "BLEND" else 1.0
+        return _encode_srgb(red), _encode_srgb(green), _encode_srgb(blue), alpha
 
     def refuse_unread(self) -> None:
         for extension, name in _COMPRESSED.items():
@@ -214,6 +244,11 @@ class _GltfDocument:
         raise content or MeshError(
             "external-buffer", f"keeps its geometry in another file ({uri[:200]!r}), not read here"
         )
+
+
+def _encode_srgb(linear: float) -> float:
+    """Return how a linear part of a colour, as glTF has them, is written for a screen: by the curve of IEC 61966-2-1."""
+    return 12.92 * linear if linear <= 0.0031308 else 1.055 * linear ** (1.0 / 2.4) - 0.055
 
 
 def _get_primitive_mode(primitive: Json) -> Any:

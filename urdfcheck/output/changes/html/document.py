@@ -195,7 +195,7 @@ def _render_same(diff: Diff, models: Sequence[ComparedModel]) -> str:
     if not same:
         return ""
     if len(models) == 1:
-        sentence = f'<p class="clean">{render_glyph("ok")} Both versions are equal.</p>'
+        sentence = f'<p class="clean ok">{render_glyph("ok")} Both versions are equal.</p>'
         return f'<section class="model" id="{same[0].id}">{sentence}{render_steps(diff, same[0])}</section>'
     items = "".join(f"<li><code>{escape_html(model.name)}</code></li>" for model in same)
     count = format_count(len(same), "robot is", "robots are")

@@ -16,13 +16,19 @@ from urdfcheck.output.shared.anchors import FindingCard
 MOST_LISTED, FEWEST_FOLDED = 20, 3
 
 
-def render_problems(run: Run, cards: Sequence[FindingCard], *, model_file: str, is_checked: bool) -> str:
-    """Render errors and warnings: where to start, and what then. ``model_file``: the model's own file."""
+def render_problems(
+    run: Run, cards: Sequence[FindingCard], *, model_file: str, is_checked: bool, is_lost: bool = False
+) -> str:
+    """Render errors and warnings: where to start, and what then. ``model_file``: the model's own file.
+
+    ``is_lost``: whether a program refuses the model or drops a part of it all the same.
+    """
     problems = select_active_cards(cards, Severity.ERROR, Severity.WARNING)
     if not problems:
         sentence = "No errors and no warnings." if select_active_cards(cards, Severity.INFO) else "No findings."
         # Of a model that was not checked its own line says why.
-        return f'<p class="clean">{render_glyph("ok")} {sentence}</p>' if is_checked else ""
+        kind = "info" if is_lost else "ok"
+        return f'<p class="clean {kind}">{render_glyph(kind)} {sentence}</p>' if is_checked else ""
     first = render_card(run, problems[0], model_file=model_file, is_first=True)
     start = f'<section class="group"><h3>Start here</h3><div class="cards">{first}</div></section>'
     if len(problems) == 1:

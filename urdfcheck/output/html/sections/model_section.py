@@ -8,6 +8,7 @@ from urdfcheck.core import Finding, ModelInfo, Run, Severity
 from urdfcheck.core.scene import Scene
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import escape_html, format_number, render_path, render_prose
+from urdfcheck.output.html.program_outcomes import mark_programs
 from urdfcheck.output.html.report_parts import ReportPart
 from urdfcheck.output.html.sections.drop_test_section import render_drop_test
 from urdfcheck.output.html.sections.finding_groups import render_notes, render_problems
@@ -33,7 +34,9 @@ def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
     """Render a part of the report. ``is_only_model``: no other model is drawn, so that the toolbar links to its sections."""
     image = _render_still_image(part) if is_only_model else ""
     head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}'
-    problems = render_problems(run, part.cards, model_file=part.path, is_checked=part.is_checked)
+    problems = render_problems(
+        run, part.cards, model_file=part.path, is_checked=part.is_checked, is_lost=_is_lost(run, part)
+    )
     if not any(c.finding.suppressed is None and c.finding.severity in PROBLEMS for c in part.cards) and part.shared:
         problems = ""  # not the sentence that there is none
     notes = render_notes(run, part.cards, model_file=part.path, id_prefix=part.id)
@@ -45,7 +48,15 @@ def render_part_strip(run: Run, part: ReportPart) -> str:
     """Render what each program does with the model of a part; nothing for a part that is not drawn and has no table of it."""
     if part.scene is None:
         return ""
-    return render_program_strip(_list_known_findings(run, part), run.rules, part=part.id)
+    known, listed = _list_known_findings(run, part), [card.finding for card in part.all_cards]
+    return render_program_strip(known, run.rules, part=part.id, listed=listed)
+
+
+def _is_lost(run: Run, part: ReportPart) -> bool:
+    """Whether a program loses the model or a part of it, so that no tick may say that there is nothing to report."""
+    return part.scene is not None and any(
+        mark.kind == "error" for mark in mark_programs(_list_known_findings(run, part), run.rules)
+    )
 
 
 def _render_model_head(run: Run, part: ReportPart, is_only_model: bool) -> str:
@@ -115,7 +126,7 @@ def _list_known_findings(run: Run, part: ReportPart) -> list[Finding]:
     """Return the findings of a part, and the notes that nobody asked for: programs do not load a model because a note is left
     out."""
     model = "" if part.info is None else part.info.id
-    return [*(card.finding for card in part.all_cards), *(f for f in run.unrequested if f.model == model)]
+    return [*(card.finding for card in part.all_cards), *(f for f in run.unrequested if model in f.subjects_by_model)]
 
 
 def _render_scene_sections(run: Run, part: ReportPart) -> str:
