@@ -12,7 +12,7 @@ export interface Marks {
   broken: boolean;
   /** Whether two versions are compared: then lines tell them apart. */
   versions: boolean;
-  repair: { isAfter: boolean; line: Line; turns: boolean; frames: Set<string>; inertias: Set<string>; broken: boolean };
+  repair: { isAfter: boolean; line: Line; turns: boolean; frames: Set<string>; inertias: Set<string>; broken: boolean; coms: boolean };
 }
 
 // Below this width of the picture, in pixels, the legend is closed at first.
@@ -25,7 +25,7 @@ export function explain({ layers, lines, broken, versions, repair }: Marks): [st
   const said: [string, string | false][] = [
     ["line error", !moves && lines.has("error") && "Link or joint with an error"],
     ["line warning", !moves && lines.has("warning") && (versions ? "Before: no longer there" : "Link or joint with a warning")],
-    ["line other", versions && lines.has("other") && "After: not there before"],
+    ["line other", lines.has("other") && !moves && (versions ? "After: not there before" : "Link after the repair")],
     [`line ${repair.line}`, moves && lines.has(repair.line) && `The part ${after ? "before" : "after"} the repair`],
     ["turn", repair.turns && "Rotation from the repaired frame"],
     [`shown ${after ? "after" : "before"}`, repair.inertias.size > 0 && (after || !repair.broken) && `Inertia box ${after ? "after" : "before"} the repair`],
@@ -33,7 +33,7 @@ export function explain({ layers, lines, broken, versions, repair }: Marks): [st
     ["broken", (broken || (repair.broken && !after)) && "Split box: no real body has this inertia"],
   ];
   for (const layer of KEYED) {
-    if (layer !== "visual" && (layers.has(layer) || (moves && layer === "frames"))) said.push([layer, WORDS[layer][1]]);
+    if (layer !== "visual" && (layers.has(layer) || (moves && layer === "frames") || (repair.coms && layer === "com"))) said.push([layer, WORDS[layer][1]]);
   }
   return said.filter((line): line is [string, string] => line[1] !== false);
 }

@@ -168,16 +168,32 @@ class Viewer {
   private get subjects(): Set<string> | null {
     if (!this.selection) return null;
     const { link, joint } = this.selection;
-    const joints = this.finding ? this.finding.joints : joint === undefined ? [] : [joint];
-    const links = new Set(this.finding ? this.finding.links.filter(Boolean) : link === undefined ? [] : [link]);
-    for (const name of joints) {
-      const child = this.robot.joints.get(name)?.data.child;
-      if (child !== undefined) links.add(child);
-    }
+    const { finding: shown } = this;
+    const links = shown
+      ? this.linksOf(shown.links, shown.joints)
+      : this.linksOf(link === undefined ? [] : [link], joint === undefined ? [] : [joint]);
     for (const { finding, a, b } of this.model.overlaps) {
-      if (this.finding && finding === this.finding.id) links.add(a).add(b);
+      if (shown && finding === shown.id) links.add(a).add(b);
     }
     return links.size ? links : null;
+  }
+
+  /** What the selected finding compares its subjects with. */
+  private get beside(): Set<string> {
+    const { beside } = this.finding ?? {};
+    return beside ? this.linksOf(beside.links, beside.joints) : new Set();
+  }
+
+  /** Links, and those that joints hold. */
+  private linksOf(links: string[], joints: string[]): Set<string> {
+    const children = joints.map((name) => this.robot.joints.get(name)?.data.child);
+    return new Set([...links, ...children].filter((name): name is string => Boolean(name)));
+  }
+
+  /** What should be in view: of what the subjects are compared with no more than there are of them. */
+  private get inView(): Set<string> | null {
+    const { subjects, beside } = this;
+    return subjects && beside.size <= subjects.size ? new Set([...subjects, ...beside]) : subjects;
   }
 
   /** The same links as the first of two versions calls them; null where none are named, or all of the robot is shown. */
@@ -195,7 +211,7 @@ class Viewer {
     if (this.finding?.whole) return null;
     // What is only in the first version stands out from all of the second.
     if (!subjects) return this.subjectsBefore ? new Set() : null;
-    const lit = new Set(subjects);
+    const lit = new Set([...subjects, ...this.beside]);
     for (const name of subjects) {
       const node = this.robot.links.get(name);
       const ofJoint = !this.finding && this.selection?.joint !== undefined;
@@ -217,7 +233,8 @@ class Viewer {
       sheer: collision && this.finding?.inside === true,
       // Two versions and a repair have lines of their own, and after a repair there is nothing to warn of.
       outline: (name, own) => {
-        if (!this.outlined || versions || repair.frames.size || repair.isAfter) return "";
+        if (!this.outlined || versions || repair.frames.size) return "";
+        if (repair.isAfter) return repair.inertias.has(name) ? "other" : "";
         return !this.finding || !subjects ? own : subjects.has(name) ? this.finding.severity : "";
       },
       hovered: this.hovered,
@@ -232,9 +249,10 @@ class Viewer {
     const isBefore = versions !== null && !versions.isAfter;
     const [overlays, others] = isBefore ? [versions.overlays, this.shown.overlays] : [this.shown.overlays, versions?.overlays];
     others?.show(new Set(), new Set(), null, false, repair);
-    const anchors = overlays.show(layers, this.asked, isBefore ? litBefore : subjects, this.onlySelected, repair)
+    const shownOf = subjects && new Set([...subjects, ...this.beside]);
+    const anchors = overlays.show(layers, this.asked, isBefore ? litBefore : shownOf, this.onlySelected, repair, this.finding?.id)
       .concat(repair.anchors, versions?.anchors ?? []);
-    this.labels.set(anchors.concat(this.names(subjects, anchors)));
+    this.labels.set(anchors.concat(this.names(this.inView, anchors)));
     const on = new Set([...layers, ...this.asked]);
     this.toolbar.show(on, this.outlined, this.onlySelected, this.stage.parallel, look.lit !== null);
     this.compare.show(versions ?? repair);
@@ -310,10 +328,10 @@ class Viewer {
   // -- the camera --
 
   private look(name: string): void {
-    const { subjects } = this;
-    const box = subjects ? this.boundsOf(subjects, []) : this.box;
+    const { inView } = this;
+    const box = inView ? this.boundsOf(inView, []) : this.box;
     this.stage.touched = false;
-    this.aim = () => this.stage.around(box, new Vector3(...DIRECTIONS[name]), subjects ? CLOSE : ROOM);
+    this.aim = () => this.stage.around(box, new Vector3(...DIRECTIONS[name]), inView ? CLOSE : ROOM);
     this.arrive();
   }
 
@@ -403,7 +421,7 @@ class Viewer {
     const side = Math.sqrt(1 - level * level) / flat;
     const from = new Vector3(direction.x * side, direction.y * side, level);
     const isWhole = this.finding?.whole === true;
-    const box = isWhole ? this.boundsNow() : this.boundsOf(subjects, points);
+    const box = isWhole ? this.boundsNow() : this.boundsOf(this.inView ?? [], points);
     this.stage.touched = false;
     this.aim = () => this.stage.around(box, from, isWhole ? ROOM : CLOSE);
     this.arrive();
@@ -478,13 +496,18 @@ class Viewer {
   /** The worst finding of a link and of the joint that places it, in words. */
   private worst(link: LinkNode): HTMLElement[] {
     const joint = link.parent?.data.name;
-    const own = this.model.findings.filter(
-      ({ links, joints }) => links.includes(link.data.name) || (joint !== undefined && joints.includes(joint)),
-    );
-    if (!own.length) return [el("span", {}, this.shown.versions ? "no change" : "no findings")];
-    const worst = own.reduce((a, b) => (worse(a.severity, b.severity) === a.severity ? a : b));
-    const more = own.length > 1 ? ` and ${own.length - 1} more` : "";
-    return [el("span", { class: worst.severity }, `${worst.severity} ${worst.code}${more}`)];
+    const { findings } = this.model;
+    const isIn = ({ links, joints }: { links: string[]; joints: string[] }) =>
+      links.includes(link.data.name) || (joint !== undefined && joints.includes(joint));
+    const own = findings.filter(isIn);
+    const others = findings.filter((finding) => !own.includes(finding) && finding.beside && isIn(finding.beside));
+    const told = own.length ? own : others;
+    if (!told.length) return [el("span", {}, this.shown.versions ? "no change" : "no findings")];
+    const worst = told.reduce((a, b) => (worse(a.severity, b.severity) === a.severity ? a : b));
+    const count = own.length + others.length;
+    const more = count > 1 ? ` and ${count - 1} more` : "";
+    // What is right, and another part is compared with, has no defect of its own.
+    return [el("span", { class: own.length ? worst.severity : "" }, `${own.length ? "" : "compared in "}${worst.severity} ${worst.code}${more}`)];
   }
 
   private key(event: KeyboardEvent): void {
