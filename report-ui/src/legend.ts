@@ -10,6 +10,8 @@ export interface Marks {
   lines: Set<Line>;
   /** Whether there is an inertia that belongs to no body. */
   broken: boolean;
+  /** Whether the COM of the robot is above its support. */
+  stands: boolean;
   /** Whether two versions are compared: then lines tell them apart. */
   versions: boolean;
   repair: { isAfter: boolean; line: Line; turns: boolean; frames: Set<string>; inertias: Set<string>; broken: boolean; coms: boolean };
@@ -19,7 +21,7 @@ export interface Marks {
 const NARROW = 600;
 
 /** The lines of the legend: the kind of each mark, and what it means. */
-export function explain({ layers, lines, broken, versions, repair }: Marks): [string, string][] {
+export function explain({ layers, lines, broken, stands, versions, repair }: Marks): [string, string][] {
   const { isAfter: after } = repair;
   const moves = repair.frames.size > 0;
   const said: [string, string | false][] = [
@@ -33,7 +35,7 @@ export function explain({ layers, lines, broken, versions, repair }: Marks): [st
     ["broken", (broken || (repair.broken && !after)) && "Split box: no real body has this inertia"],
   ];
   for (const layer of KEYED) {
-    if (layer !== "visual" && (layers.has(layer) || (moves && layer === "frames") || (repair.coms && layer === "com"))) said.push([layer, WORDS[layer][1]]);
+    if (layer !== "visual" && (layers.has(layer) || (moves && layer === "frames") || (repair.coms && layer === "com"))) said.push([layer === "ground" && !stands ? "ground tips" : layer, WORDS[layer][1]]);
   }
   return said.filter((line): line is [string, string] => line[1] !== false);
 }

@@ -9,7 +9,7 @@ import { handleOf } from "./handle.ts";
 import { Labels, type Anchor } from "./labels.ts";
 import { Legend } from "./legend.ts";
 import type { Line } from "./outline.ts";
-import { filled, Overlays } from "./overlays.ts";
+import { filled, Overlays, stands } from "./overlays.ts";
 import { JointPanel } from "./panel.ts";
 import { Repair } from "./repair.ts";
 import { positionOf, Robot, worse, type LinkNode, type Look } from "./robot.ts";
@@ -97,7 +97,7 @@ class Viewer {
     section.append(this.print);
     this.stage.onRender = () => {
       const { width, height } = this.stage.bounds;
-      this.labels.place(this.stage.camera, width, height);
+      this.labels.place(this.stage.camera, width, height, this.stage.inset);
       this.gizmo.turn(this.stage.camera);
     };
     this.stage.onResize = () => {
@@ -155,7 +155,7 @@ class Viewer {
     );
     this.print.alt = `${data.name}, as it stands with every joint at its start`;
     const severities = [...this.robot.links.values()].map((link) => this.robot.severityOf(link));
-    this.toolbar.offer(shown.offered, !shown.versions && (severities.includes("error") || severities.includes("warning")));
+    this.toolbar.offer(shown.offered, !shown.versions && (severities.includes("error") || severities.includes("warning")), stands(data));
     if (this.toolbar.models) this.toolbar.models.selectedIndex = index;
     this.panel.show(this.robot);
     this.cast();
@@ -259,7 +259,7 @@ class Viewer {
     const lines = new Set(outlined.map(({ line }) => line).filter((line): line is Line => line !== null));
     const { drawn } = overlays;
     this.legend.show({
-      ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair, versions: versions !== null,
+      ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair, stands: stands((isBefore ? versions.before : robot).data), versions: versions !== null,
     });
     this.stage.request();
   }
@@ -365,7 +365,9 @@ class Viewer {
    * it is looked at. */
   private boundsOf(names: Iterable<string>, points: Vector3[]): Box3 {
     const box = new Box3().setFromPoints(points);
-    const withInertia = this.shown.layers.has("box") || this.asked.has("box");
+    const isOn = (layer: Layer) => this.shown.layers.has(layer) || this.asked.has(layer);
+    const withInertia = isOn("box");
+    const withFrames = isOn("axes") || isOn("frames");
     this.robot.root.updateMatrixWorld(true);
     for (const name of names) {
       const link = this.robot.links.get(name);
@@ -373,6 +375,10 @@ class Viewer {
       const own = this.robot.boundsOf(link);
       const reach = 1.6 * this.robot.unit(link);
       if (own.isEmpty()) own.setFromCenterAndSize(positionOf(link.frame), new Vector3(reach, reach, reach));
+      // Its name and its axes are at its frame, which may be beside its shapes.
+      const frame = new Box3().setFromCenterAndSize(positionOf(link.frame), new Vector3().setScalar(withFrames ? 1.2 * reach : 0));
+      const away = own.distanceToPoint(positionOf(link.frame));
+      if (away < own.getSize(new Vector3()).length()) own.union(frame);
       box.union(own);
       const { inertia } = link.data;
       if (withInertia && inertia && "box" in inertia) {

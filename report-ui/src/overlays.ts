@@ -1,6 +1,6 @@
 // What is drawn over the robot: mass, inertia, axes, frames, holes, overlaps and the ground.
 import { BoxGeometry, Group, Matrix4, Mesh, Object3D, Quaternion, SphereGeometry, Vector3 } from "three";
-import type { Inertia, Layer } from "./data.ts";
+import type { Inertia, Layer, ModelData } from "./data.ts";
 import type { Anchor } from "./labels.ts";
 import { IN_FRONT, mark, ORDER, shared, stroke } from "./materials.ts";
 import type { Repair } from "./repair.ts";
@@ -20,6 +20,13 @@ export const SWATCHES: Partial<Record<Layer, string>> = {
   visual: "#9aa6b4", collision: "#ffbe38", com: "", box: "#e600e6", ellipsoid: "#7c5cff", axes: "#2f97c9",
   frames: "", holes: "#00c2e0", overlaps: "#ff2d55", ground: "#12a05c",
 };
+/** The colour of the ground where the COM of the robot is beside its support. */
+export const TIPS = "#e0263c";
+
+/** Whether the COM of the robot is above its support. */
+export function stands({ ground }: ModelData): boolean {
+  return ground === null || within(ground.com, ground.support);
+}
 
 interface Overlay {
   layer: Layer;
@@ -278,8 +285,9 @@ export class Overlays {
         group.add(spot);
       }
       link.frame.add(group);
-      const deep = depth === null ? "" : `, ${length(depth)} deep`;
-      const label: Anchor = { text: `${a} × ${b}${deep}`, object: group.children[0], kind: "error", rank: 2 + (depth ?? 0) / deepest };
+      // Names may be long, and what is cut is the end.
+      const deep = depth === null ? "" : `${length(depth)} deep: `;
+      const label: Anchor = { text: `${deep}${a} × ${b}`, object: group.children[0], kind: "error", rank: 2 + (depth ?? 0) / deepest };
       overlays.push({ layer: "overlaps", links: [a, b], finding, object: group, label });
     }
     return overlays;
@@ -303,7 +311,7 @@ export class Overlays {
     const size = this.robot.size;
     const z = ground.height;
     const [x, y, height] = ground.com;
-    const inside = within([x, y], ground.support);
+    const inside = stands(this.robot.data);
     const color = inside ? COLORS.after : COLORS.broken;
     const corners = ground.support.map(([cx, cy]) => new Vector3(cx, cy, z + 0.001 * size));
     if (corners.length >= 2) {
