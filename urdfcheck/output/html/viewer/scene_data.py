@@ -239,9 +239,7 @@ def _build_findings(cards: Iterable[FindingCard], scene: Scene) -> list[dict[str
     return [_build_finding(card, previews, scene) for card in cards]
 
 
-def _build_finding(
-    card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], scene: Scene
-) -> dict[str, Any]:
+def _build_finding(card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], scene: Scene) -> dict[str, Any]:
     finding = card.finding
     places = {(own.code, own.message_id, own.location.span): None for own in finding.list_occurrences()}
     preview = [shown for place in places for shown in previews.get(place, [])]
@@ -272,7 +270,10 @@ def _sort_elements(finding: Finding) -> tuple[list[tuple[str, str]], list[tuple[
 
     A related place has the same defect if it is the same part of another link or joint: one finding tells of them all."""
     own = dict.fromkeys(_iter_elements(finding.subjects))
+    # A mesh that is drawn and one that collides are both shapes.
+    shapes = ("visual", "collision")
     parts = {_get_part(subject) for subject in finding.subjects}
+    parts |= {(kind, shape) for kind, part in parts if part in shapes for shape in shapes}
     beside: dict[tuple[str, str], None] = {}
     for each in finding.list_occurrences():
         own |= dict.fromkeys(_iter_elements(_list_texts(each.data.get("between"))))
