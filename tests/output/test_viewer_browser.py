@@ -643,8 +643,10 @@ def test_a_link_that_a_finding_names_beside_its_subject_knows_it(several: Any) -
     assert several.locator("[data-layer=axes]").get_attribute("aria-pressed") == "false"
     assert set(several.locator(".uc-label").all_text_contents()) == {"finger_a", "finger_b"}
     several.keyboard.press("Escape")
-    pick = "name => document.dispatchEvent(new CustomEvent('uc:select', { detail: { model: 'm1', link: name, origin: 'viewer' } }))"
-    several.evaluate(pick, "finger_a")
+    several.evaluate(
+        "detail => document.dispatchEvent(new CustomEvent('uc:select', { detail }))",
+        {"model": "m1", "link": "finger_a", "origin": "viewer"},
+    )
     assert several.locator(".card:visible").evaluate_all("all => all.map((c) => c.dataset.code)") == ["SYM004"]
     several.keyboard.press("Escape")
     several.keyboard.press("h")

@@ -332,8 +332,8 @@ def _get_pose(finding: Finding, scene: Scene) -> dict[str, float]:
     if not isinstance(pose, Mapping):
         return {}
     joints = {joint.name for joint in scene.joints}
-    values = {name: _round_finite(value) for name, value in pose.items() if name in joints}
-    return {name: value for name, value in values.items() if _restrict_to_reachable(value) is not None}
+    known = {name: _restrict_to_reachable(_round_finite(value)) for name, value in pose.items() if name in joints}
+    return {name: value for name, value in known.items() if value is not None}
 
 
 def _build_preview(preview: ScenePreview) -> dict[str, Any]:
