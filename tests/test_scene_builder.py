@@ -305,3 +305,9 @@ def test_a_finding_has_each_overlap_that_it_lists():
     (model,) = data["models"]
     assert [overlap["finding"] is not None for overlap in model["overlaps"]] == [True, True, False]
     assert model["findings"][0]["links"] == ["a", "b", "c"]
+
+
+def test_a_pair_that_an_srdf_hides_is_shown_where_it_collides():
+    data = {"first": "a", "second": "b", "pose": {"axle": 0.5}}
+    found = show("a", "b", "c", code="COL003", subjects=("disable_collisions[1]",), data=data)
+    assert (found["links"], found["pose"]) == (["a", "b"], {"axle": 0.5})

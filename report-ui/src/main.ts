@@ -410,7 +410,9 @@ class Viewer {
       : this.model.findings.find((finding) => finding.id === selection.finding) ?? null;
     const { offered, layers } = this.shown;
     const asked: Layer[] = this.finding?.layers ?? (selection.joint !== undefined ? ["axes", "frames"] : ["frames"]);
-    this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer)));
+    // The overlaps are those at the start.
+    const isElsewhere = this.finding?.pose !== undefined;
+    this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer) && !(isElsewhere && layer === "overlaps")));
     this.turn(this.finding?.gone === true);
     this.assume(this.finding?.pose);
     const points = this.suggest();

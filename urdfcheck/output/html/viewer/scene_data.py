@@ -321,7 +321,7 @@ def _iter_pairs(finding: Finding, links: frozenset[str]) -> Iterator[frozenset[s
 def _list_named_links(finding: Finding, scene: Scene) -> list[str]:
     """List the links that the data of a finding name, of a transform those that it places."""
     links = frozenset(link.name for link in scene.links)
-    keys = ("parent", "child") if "parent" in finding.data else ("link", "other", "child")
+    keys = ("parent", "child") if "parent" in finding.data else ("link", "other", "first", "second", "child")
     names = (finding.data.get(key) for key in keys)
     return list(dict.fromkeys(name for name in names if isinstance(name, str) and name in links))
 
@@ -332,7 +332,8 @@ def _get_pose(finding: Finding, scene: Scene) -> dict[str, float]:
     if not isinstance(pose, Mapping):
         return {}
     joints = {joint.name for joint in scene.joints}
-    known = {name: _restrict_to_reachable(_round_finite(value)) for name, value in pose.items() if name in joints}
+    positions = {name: value for name, value in pose.items() if name in joints and isinstance(value, (int, float))}
+    known = {name: _restrict_to_reachable(_round_finite(value)) for name, value in positions.items()}
     return {name: value for name, value in known.items() if value is not None}
 
 
