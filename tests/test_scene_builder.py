@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import trimesh
 from conftest import FIXTURES, check, check_text, command
+from output.runs import finding, make_joint, make_link, scene
 
-from urdfcheck.core import Run
-from urdfcheck.core.scene import Scene
+from urdfcheck.core import Location, Run
+from urdfcheck.core.scene import Scene, SceneOverlap
 from urdfcheck.facts.mesh.codec import PackedMesh, unpack_mesh
 from urdfcheck.facts.motion.kinematics import rpy_to_matrix
 from urdfcheck.output.html.report_parts import collect_report_parts
 from urdfcheck.output.html.viewer.scene_data import build_scene_data
+from urdfcheck.output.shared.anchors import build_finding_cards
 
 ARM = """<robot name="arm">
   <material name="blue"><color rgba="0 0 1 1"/></material>
@@ -278,3 +281,100 @@ def test_a_changed_library_changes_the_picture_of_a_kept_report(tmp_path):
         True,
         True,
     ]
+
+
+def show(*links: str, **changes: Any) -> dict[str, Any]:
+    """What the view is given of one finding about a robot of these links."""
+    joints = (make_joint("axle", links[0], links[-1]),)
+    robot = scene(root=links[0], links=tuple(map(make_link, links)), joints=joints, frames=())
+    subjects = changes["subjects"]
+    plain = {"location": Location(subjects[0], None), "related": (), "fix": None}
+    found = finding(**plain | changes)
+    data, _ = build_scene_data([("m1", "robot", robot, build_finding_cards([found]))])
+    return data["models"][0]["findings"][0]
+
+
+def at(*subjects: str) -> tuple[Location, ...]:
+    return tuple(Location(subject, None) for subject in subjects)
+
+
+def test_both_links_of_a_pair_are_shown_and_the_right_twin_is_beside_the_wrong_one():
+    pair = show(
+        *("base", "left", "right"),
+        code="SYM004",
+        subjects=("link[right]/inertial/inertia",),
+        related=at("link[left]/inertial/inertia"),
+        data={"between": ["link[left]", "link[right]"], "twin": "left"},
+    )
+    assert (pair["links"], "beside" in pair) == (["right", "left"], False)
+    odd = show(
+        *("base", "left", "right"), code="SYM004", subjects=("link[right]/inertial/inertia",), data={"twin": "left"}
+    )
+    assert (odd["links"], odd["beside"]) == (["right"], {"links": ["left"], "joints": []})
+
+
+def test_all_links_with_one_defect_are_shown():
+    places = at("link[b]/collision/geometry/mesh@filename", "link[c]/visual/geometry/mesh@filename")
+    found = show("a", "b", "c", code="PKG001", subjects=("link[a]/visual/geometry/mesh@filename",), related=places)
+    assert (found["links"], "beside" in found) == (["a", "b", "c"], False)
+
+
+def test_siblings_that_are_right_have_no_defect():
+    found = show("base", "wheel", code="SYM001", subjects=("joint[odd]/origin",), related=at("joint[axle]/origin"))
+    assert (found["joints"], found["beside"]) == (["odd"], {"links": [], "joints": ["axle"]})
+
+
+@pytest.mark.parametrize(
+    ("code", "subject", "layers"),
+    [
+        ("SYM004", "link[a]/inertial/origin@xyz", ["visual", "com", "box"]),
+        ("SYM007", "link[a]/collision/geometry/mesh@filename", ["visual", "collision"]),
+        ("SYM001", "joint[axle]/origin@rpy", ["visual", "axes", "frames"]),
+        ("COL001", "link[a]/collision/geometry/box", ["visual", "collision", "overlaps"]),
+        ("MSH002", "link[a]/visual/geometry/mesh@filename", ["visual", "holes"]),
+        ("KIN005", "link[a]", ["visual", "frames"]),
+    ],
+)
+def test_the_part_of_a_link_chooses_the_layers(code: str, subject: str, layers: list[str]):
+    assert show("a", "b", code=code, subjects=(subject,))["layers"] == layers
+
+
+def test_a_transform_is_shown_at_the_link_that_it_places_and_not_at_one_that_its_message_names():
+    found = show(
+        *("base", "wheel"),
+        code="LCH005",
+        subjects=("node[tf]@args",),
+        data={"link": "wheel", "parent": "base", "child": "base_footprint"},
+    )
+    assert (found["links"], found["layers"]) == (["base"], ["visual", "frames"])
+
+
+def test_a_finding_is_shown_in_the_pose_in_which_it_was_measured():
+    subjects = ("joint[axle]/limit@effort",)
+    assert show("a", "b", code="DYN002", subjects=subjects, data={"pose": {"axle": 0.25, "gone": 1.0}})["pose"] == {
+        "axle": 0.25
+    }
+    assert "pose" not in show("a", "b", code="COL001", subjects=subjects, data={"pose": "all joints at zero"})
+
+
+def test_a_finding_has_each_overlap_that_it_lists():
+    pairs = [("a", "b"), ("a", "c"), ("b", "c")]
+    overlaps = tuple(SceneOverlap(pair, (0.0, 0.0, 0.0), 0.1) for pair in pairs)
+    robot = scene(root="a", links=tuple(map(make_link, "abc")), joints=(), frames=(), overlaps=overlaps)
+    found = finding(
+        code="COL001",
+        location=Location("link[a]/collision/geometry/box", None),
+        subjects=("link[a]/collision/geometry/box",),
+        related=at("link[b]/collision/geometry/box", "link[c]/collision/geometry/sphere"),
+        data={"link": "a", "other": "b"},
+    )
+    data, _ = build_scene_data([("m1", "robot", robot, build_finding_cards([found]))])
+    (model,) = data["models"]
+    assert [overlap["finding"] is not None for overlap in model["overlaps"]] == [True, True, False]
+    assert model["findings"][0]["links"] == ["a", "b", "c"]
+
+
+def test_a_pair_that_an_srdf_hides_is_shown_where_it_collides():
+    data = {"first": "a", "second": "b", "pose": {"axle": 0.5}}
+    found = show("a", "b", "c", code="COL003", subjects=("disable_collisions[1]",), data=data)
+    assert (found["links"], found["pose"]) == (["a", "b"], {"axle": 0.5})

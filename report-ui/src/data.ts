@@ -52,7 +52,8 @@ export interface Preview {
   joint?: string;
   at?: number[];
   link?: string;
-  inertia?: Inertia;
+  inertia?: Inertia | null;
+  com?: number[] | null;
 }
 
 export interface Finding {
@@ -61,6 +62,8 @@ export interface Finding {
   severity: Severity;
   links: string[];
   joints: string[];
+  /** Those that it compares them with or refers to: they are shown, but have no defect. */
+  beside?: { links: string[]; joints: string[] };
   layers: Layer[];
   preview: Preview[];
   /** Of a change: the links as the first version calls them, in the order of `links`; a name that is empty has no counterpart. */

@@ -42,14 +42,17 @@ export class Labels {
     }
   }
 
-  /** Puts each label beside its object, unless it would cover one that ranks higher. */
-  place(camera: Camera, width: number, height: number): void {
+  /** Puts each label beside its object, unless it would cover one that ranks higher; below it where the buttons are, which end
+   * at `top`. */
+  place(camera: Camera, width: number, height: number, top: number): void {
     const taken: [number, number, number, number][] = [];
     const at = new Vector3();
     for (const label of this.placed) {
       at.copy(positionOf(label.object)).project(camera);
       const x = Math.round(((at.x + 1) / 2) * width) + 10;
-      const y = Math.round(((1 - at.y) / 2) * height) - label.height - 4;
+      const point = Math.round(((1 - at.y) / 2) * height);
+      const above = point - label.height - 4;
+      const y = above < top && point >= top ? point + 6 : above;
       const left = Math.min(x, width - label.width - 4);
       const box: [number, number, number, number] = [left, y, left + label.width, y + label.height];
       const free = taken.every(([l, t, r, b]) => box[2] < l || box[0] > r || box[3] < t || box[1] > b);

@@ -9,7 +9,7 @@ import { handleOf } from "./handle.ts";
 import { Labels, type Anchor } from "./labels.ts";
 import { Legend } from "./legend.ts";
 import type { Line } from "./outline.ts";
-import { filled, Overlays } from "./overlays.ts";
+import { filled, Overlays, stands } from "./overlays.ts";
 import { JointPanel } from "./panel.ts";
 import { Repair } from "./repair.ts";
 import { positionOf, Robot, worse, type LinkNode, type Look } from "./robot.ts";
@@ -97,7 +97,7 @@ class Viewer {
     section.append(this.print);
     this.stage.onRender = () => {
       const { width, height } = this.stage.bounds;
-      this.labels.place(this.stage.camera, width, height);
+      this.labels.place(this.stage.camera, width, height, this.stage.inset);
       this.gizmo.turn(this.stage.camera);
     };
     this.stage.onResize = () => {
@@ -155,7 +155,7 @@ class Viewer {
     );
     this.print.alt = `${data.name}, as it stands with every joint at its start`;
     const severities = [...this.robot.links.values()].map((link) => this.robot.severityOf(link));
-    this.toolbar.offer(shown.offered, !shown.versions && (severities.includes("error") || severities.includes("warning")));
+    this.toolbar.offer(shown.offered, !shown.versions && (severities.includes("error") || severities.includes("warning")), stands(data));
     if (this.toolbar.models) this.toolbar.models.selectedIndex = index;
     this.panel.show(this.robot);
     this.cast();
@@ -168,16 +168,32 @@ class Viewer {
   private get subjects(): Set<string> | null {
     if (!this.selection) return null;
     const { link, joint } = this.selection;
-    const joints = this.finding ? this.finding.joints : joint === undefined ? [] : [joint];
-    const links = new Set(this.finding ? this.finding.links.filter(Boolean) : link === undefined ? [] : [link]);
-    for (const name of joints) {
-      const child = this.robot.joints.get(name)?.data.child;
-      if (child !== undefined) links.add(child);
-    }
+    const { finding: shown } = this;
+    const links = shown
+      ? this.linksOf(shown.links, shown.joints)
+      : this.linksOf(link === undefined ? [] : [link], joint === undefined ? [] : [joint]);
     for (const { finding, a, b } of this.model.overlaps) {
-      if (this.finding && finding === this.finding.id) links.add(a).add(b);
+      if (shown && finding === shown.id) links.add(a).add(b);
     }
     return links.size ? links : null;
+  }
+
+  /** What the selected finding compares its subjects with. */
+  private get beside(): Set<string> {
+    const { beside } = this.finding ?? {};
+    return beside ? this.linksOf(beside.links, beside.joints) : new Set();
+  }
+
+  /** Links, and those that joints hold. */
+  private linksOf(links: string[], joints: string[]): Set<string> {
+    const children = joints.map((name) => this.robot.joints.get(name)?.data.child);
+    return new Set([...links, ...children].filter((name): name is string => Boolean(name)));
+  }
+
+  /** What should be in view: of what the subjects are compared with no more than there are of them. */
+  private get inView(): Set<string> | null {
+    const { subjects, beside } = this;
+    return subjects && beside.size <= subjects.size ? new Set([...subjects, ...beside]) : subjects;
   }
 
   /** The same links as the first of two versions calls them; null where none are named, or all of the robot is shown. */
@@ -195,7 +211,7 @@ class Viewer {
     if (this.finding?.whole) return null;
     // What is only in the first version stands out from all of the second.
     if (!subjects) return this.subjectsBefore ? new Set() : null;
-    const lit = new Set(subjects);
+    const lit = new Set([...subjects, ...this.beside]);
     for (const name of subjects) {
       const node = this.robot.links.get(name);
       const ofJoint = !this.finding && this.selection?.joint !== undefined;
@@ -217,7 +233,8 @@ class Viewer {
       sheer: collision && this.finding?.inside === true,
       // Two versions and a repair have lines of their own, and after a repair there is nothing to warn of.
       outline: (name, own) => {
-        if (!this.outlined || versions || repair.frames.size || repair.isAfter) return "";
+        if (!this.outlined || versions || repair.frames.size) return "";
+        if (repair.isAfter) return repair.inertias.has(name) ? "other" : "";
         return !this.finding || !subjects ? own : subjects.has(name) ? this.finding.severity : "";
       },
       hovered: this.hovered,
@@ -232,16 +249,17 @@ class Viewer {
     const isBefore = versions !== null && !versions.isAfter;
     const [overlays, others] = isBefore ? [versions.overlays, this.shown.overlays] : [this.shown.overlays, versions?.overlays];
     others?.show(new Set(), new Set(), null, false, repair);
-    const anchors = overlays.show(layers, this.asked, isBefore ? litBefore : subjects, this.onlySelected, repair)
+    const shownOf = subjects && new Set([...subjects, ...this.beside]);
+    const anchors = overlays.show(layers, this.asked, isBefore ? litBefore : shownOf, this.onlySelected, repair, this.finding?.id)
       .concat(repair.anchors, versions?.anchors ?? []);
-    this.labels.set(anchors.concat(this.names(subjects, anchors)));
+    this.labels.set(anchors.concat(this.names(this.inView, anchors)));
     const on = new Set([...layers, ...this.asked]);
     this.toolbar.show(on, this.outlined, this.onlySelected, this.stage.parallel, look.lit !== null);
     this.compare.show(versions ?? repair);
     const lines = new Set(outlined.map(({ line }) => line).filter((line): line is Line => line !== null));
     const { drawn } = overlays;
     this.legend.show({
-      ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair, versions: versions !== null,
+      ...drawn, layers: on.has("collision") ? drawn.layers.add("collision") : drawn.layers, lines, repair, stands: stands((isBefore ? versions.before : robot).data), versions: versions !== null,
     });
     this.stage.request();
   }
@@ -310,10 +328,10 @@ class Viewer {
   // -- the camera --
 
   private look(name: string): void {
-    const { subjects } = this;
-    const box = subjects ? this.boundsOf(subjects, []) : this.box;
+    const { inView } = this;
+    const box = inView ? this.boundsOf(inView, []) : this.box;
     this.stage.touched = false;
-    this.aim = () => this.stage.around(box, new Vector3(...DIRECTIONS[name]), subjects ? CLOSE : ROOM);
+    this.aim = () => this.stage.around(box, new Vector3(...DIRECTIONS[name]), inView ? CLOSE : ROOM);
     this.arrive();
   }
 
@@ -347,7 +365,9 @@ class Viewer {
    * it is looked at. */
   private boundsOf(names: Iterable<string>, points: Vector3[]): Box3 {
     const box = new Box3().setFromPoints(points);
-    const withInertia = this.shown.layers.has("box") || this.asked.has("box");
+    const isOn = (layer: Layer) => this.shown.layers.has(layer) || this.asked.has(layer);
+    const withInertia = isOn("box");
+    const withFrames = isOn("axes") || isOn("frames");
     this.robot.root.updateMatrixWorld(true);
     for (const name of names) {
       const link = this.robot.links.get(name);
@@ -355,6 +375,10 @@ class Viewer {
       const own = this.robot.boundsOf(link);
       const reach = 1.6 * this.robot.unit(link);
       if (own.isEmpty()) own.setFromCenterAndSize(positionOf(link.frame), new Vector3(reach, reach, reach));
+      // Its name and its axes are at its frame, which may be beside its shapes.
+      const frame = new Box3().setFromCenterAndSize(positionOf(link.frame), new Vector3().setScalar(withFrames ? 1.2 * reach : 0));
+      const away = own.distanceToPoint(positionOf(link.frame));
+      if (away < own.getSize(new Vector3()).length()) own.union(frame);
       box.union(own);
       const { inertia } = link.data;
       if (withInertia && inertia && "box" in inertia) {
@@ -386,7 +410,9 @@ class Viewer {
       : this.model.findings.find((finding) => finding.id === selection.finding) ?? null;
     const { offered, layers } = this.shown;
     const asked: Layer[] = this.finding?.layers ?? (selection.joint !== undefined ? ["axes", "frames"] : ["frames"]);
-    this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer)));
+    // The overlaps are those at the start.
+    const isElsewhere = this.finding?.pose !== undefined;
+    this.asked = new Set(asked.filter((layer) => offered.has(layer) && !layers.has(layer) && !(isElsewhere && layer === "overlaps")));
     this.turn(this.finding?.gone === true);
     this.assume(this.finding?.pose);
     const points = this.suggest();
@@ -403,7 +429,7 @@ class Viewer {
     const side = Math.sqrt(1 - level * level) / flat;
     const from = new Vector3(direction.x * side, direction.y * side, level);
     const isWhole = this.finding?.whole === true;
-    const box = isWhole ? this.boundsNow() : this.boundsOf(subjects, points);
+    const box = isWhole ? this.boundsNow() : this.boundsOf(this.inView ?? [], points);
     this.stage.touched = false;
     this.aim = () => this.stage.around(box, from, isWhole ? ROOM : CLOSE);
     this.arrive();
@@ -478,13 +504,18 @@ class Viewer {
   /** The worst finding of a link and of the joint that places it, in words. */
   private worst(link: LinkNode): HTMLElement[] {
     const joint = link.parent?.data.name;
-    const own = this.model.findings.filter(
-      ({ links, joints }) => links.includes(link.data.name) || (joint !== undefined && joints.includes(joint)),
-    );
-    if (!own.length) return [el("span", {}, this.shown.versions ? "no change" : "no findings")];
-    const worst = own.reduce((a, b) => (worse(a.severity, b.severity) === a.severity ? a : b));
-    const more = own.length > 1 ? ` and ${own.length - 1} more` : "";
-    return [el("span", { class: worst.severity }, `${worst.severity} ${worst.code}${more}`)];
+    const { findings } = this.model;
+    const isIn = ({ links, joints }: { links: string[]; joints: string[] }) =>
+      links.includes(link.data.name) || (joint !== undefined && joints.includes(joint));
+    const own = findings.filter(isIn);
+    const others = findings.filter((finding) => !own.includes(finding) && finding.beside && isIn(finding.beside));
+    const told = own.length ? own : others;
+    if (!told.length) return [el("span", {}, this.shown.versions ? "no change" : "no findings")];
+    const worst = told.reduce((a, b) => (worse(a.severity, b.severity) === a.severity ? a : b));
+    const count = own.length + others.length;
+    const more = count > 1 ? ` and ${count - 1} more` : "";
+    // What is right, and another part is compared with, has no defect of its own.
+    return [el("span", { class: own.length ? worst.severity : "" }, `${own.length ? "" : "compared in "}${worst.severity} ${worst.code}${more}`)];
   }
 
   private key(event: KeyboardEvent): void {

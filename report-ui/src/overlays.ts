@@ -1,6 +1,6 @@
 // What is drawn over the robot: mass, inertia, axes, frames, holes, overlaps and the ground.
 import { BoxGeometry, Group, Matrix4, Mesh, Object3D, Quaternion, SphereGeometry, Vector3 } from "three";
-import type { Inertia, Layer } from "./data.ts";
+import type { Inertia, Layer, ModelData } from "./data.ts";
 import type { Anchor } from "./labels.ts";
 import { IN_FRONT, mark, ORDER, shared, stroke } from "./materials.ts";
 import type { Repair } from "./repair.ts";
@@ -20,11 +20,20 @@ export const SWATCHES: Partial<Record<Layer, string>> = {
   visual: "#9aa6b4", collision: "#ffbe38", com: "", box: "#e600e6", ellipsoid: "#7c5cff", axes: "#2f97c9",
   frames: "", holes: "#00c2e0", overlaps: "#ff2d55", ground: "#12a05c",
 };
+/** The colour of the ground where the COM of the robot is beside its support. */
+export const TIPS = "#e0263c";
+
+/** Whether the COM of the robot is above its support. */
+export function stands({ ground }: ModelData): boolean {
+  return ground === null || within(ground.com, ground.support);
+}
 
 interface Overlay {
   layer: Layer;
   /** The links that it tells something about; none for the whole robot. */
   links: string[];
+  /** The finding that it shows, where it belongs to one or to none. */
+  finding?: string | null;
   object: Object3D;
   label?: Anchor;
   /** An inertia that belongs to no body. */
@@ -74,6 +83,12 @@ const alongZ = (axis: number[]) =>
   new Matrix4().makeRotationFromQuaternion(new Quaternion().setFromUnitVectors(new Vector3(0, 0, 1), new Vector3(...axis).normalize()));
 export const moved = (x: number, y: number, z: number) => new Matrix4().makeTranslation(x, y, z);
 
+/** The radius of a ball of lead with this mass, that can be seen on a robot of this size. */
+export function ballRadius(mass: number, size: number): number {
+  const lead = Math.cbrt((0.75 * mass) / (Math.PI * LEAD));
+  return Math.min(Math.max(lead, 0.006 * size), 0.2 * size);
+}
+
 /** Segments as a line of so many pixels, drawn over everything. */
 export function line(ends: ArrayLike<number>, color: number, pixels: number, at = new Matrix4()): Mesh {
   return placed(new Mesh(strokes(ends), stroke(color, pixels)), at);
@@ -86,14 +101,16 @@ export class Overlays {
 
   constructor(private readonly robot: Robot, private readonly shapes: Shapes) {}
 
-  /** Shows the layers: `all` of every link, `some` of the links of a selection only. */
-  show(all: Set<Layer>, some: Set<Layer>, lit: Set<string> | null, onlyLit: boolean, repair: Repair): Anchor[] {
+  /** Shows the layers: `all` of every link, `some` of the links of a selection only. Of overlaps those of the finding that is
+   * selected, if it has any. */
+  show(all: Set<Layer>, some: Set<Layer>, lit: Set<string> | null, onlyLit: boolean, repair: Repair, finding?: string): Anchor[] {
     const anchors: Anchor[] = [];
     this.drawn = { layers: new Set(), broken: false };
     for (const layer of new Set([...all, ...some])) if (!this.built.has(layer)) this.built.set(layer, this.build(layer));
     for (const [layer, overlays] of this.built) {
+      const isToldApart = finding !== undefined && overlays.some((overlay) => overlay.finding === finding);
       for (const overlay of overlays) {
-        const ofLit = lit !== null && overlay.links.some((link) => lit.has(link));
+        const ofLit = lit !== null && (isToldApart ? overlay.finding === finding : overlay.links.some((link) => lit.has(link)));
         const forAll = all.has(layer) && !(onlyLit && lit !== null && overlay.links.length > 0 && !ofLit);
         const isOn = forAll || (some.has(layer) && (ofLit || overlay.links.length === 0));
         overlay.object.visible = isOn && this.current(layer) && !this.replaced(overlay, repair);
@@ -137,8 +154,7 @@ export class Overlays {
   private com(link: LinkNode): Overlay[] {
     const { mass, com, name } = link.data;
     if (mass === null || !com || !(mass > 0)) return [];
-    const lead = Math.cbrt((0.75 * mass) / (Math.PI * LEAD));
-    const radius = Math.min(Math.max(lead, 0.006 * this.robot.size), 0.2 * this.robot.size);
+    const radius = ballRadius(mass, this.robot.size);
     const ball = placed(new Mesh(glyphs.ball, shared.glyph), scaled(moved(com[0], com[1], com[2]), radius));
     link.frame.add(ball);
     return [{ layer: "com", links: [name], object: ball }];
@@ -256,7 +272,8 @@ export class Overlays {
   private overlaps(): Overlay[] {
     const overlays: Overlay[] = [];
     const start = this.startFrames();
-    for (const { a, b, points, depth } of this.robot.data.overlaps) {
+    const deepest = Math.max(...this.robot.data.overlaps.map(({ depth }) => depth ?? 0), Number.MIN_VALUE);
+    for (const { a, b, points, depth, finding } of this.robot.data.overlaps) {
       const link = this.robot.links.get(a);
       const frame = start.get(a);
       if (!link || !frame || !points.length) continue;
@@ -268,9 +285,10 @@ export class Overlays {
         group.add(spot);
       }
       link.frame.add(group);
-      const deep = depth === null ? "" : `, ${length(depth)} deep`;
-      const label: Anchor = { text: `${a} × ${b}${deep}`, object: group.children[0], kind: "error", rank: 2 };
-      overlays.push({ layer: "overlaps", links: [a, b], object: group, label });
+      // Names may be long, and what is cut is the end.
+      const deep = depth === null ? "" : `${length(depth)} deep: `;
+      const label: Anchor = { text: `${deep}${a} × ${b}`, object: group.children[0], kind: "error", rank: 2 + (depth ?? 0) / deepest };
+      overlays.push({ layer: "overlaps", links: [a, b], finding, object: group, label });
     }
     return overlays;
   }
@@ -293,7 +311,7 @@ export class Overlays {
     const size = this.robot.size;
     const z = ground.height;
     const [x, y, height] = ground.com;
-    const inside = within([x, y], ground.support);
+    const inside = stands(this.robot.data);
     const color = inside ? COLORS.after : COLORS.broken;
     const corners = ground.support.map(([cx, cy]) => new Vector3(cx, cy, z + 0.001 * size));
     if (corners.length >= 2) {

@@ -4,7 +4,7 @@ import type { Finding, Inertia, Preview, Severity } from "./data.ts";
 import type { Anchor } from "./labels.ts";
 import { mark, ORDER, shared } from "./materials.ts";
 import type { Line, Outlined } from "./outline.ts";
-import { body, COLORS, glyphs, line, moved, placed, scaled } from "./overlays.ts";
+import { ballRadius, body, COLORS, glyphs, line, moved, placed, scaled } from "./overlays.ts";
 import { positionOf, type JointNode, type LinkNode, type Robot } from "./robot.ts";
 import { boxEdges, brokenBox, dashes, fan, matrix } from "./shapes.ts";
 import { angle, length } from "./words.ts";
@@ -34,6 +34,8 @@ export class Repair {
   /** Whether a joint is rotated, and whether an inertia belongs to no body. */
   turns = false;
   broken = false;
+  /** Whether it draws a COM where it will be. */
+  coms = false;
 
   constructor(private readonly robot: Robot) {}
 
@@ -55,7 +57,7 @@ export class Repair {
     this.inertias.clear();
     this.frames.clear();
     this.severity = finding?.severity ?? "";
-    this.turns = this.broken = false;
+    this.turns = this.broken = this.coms = false;
     this.robot.root.updateMatrixWorld(true);
     const previews = finding?.preview ?? [];
     this.steps = previews.flatMap((preview) => this.joint(preview, previews.length > 1) ?? this.inertia(preview) ?? []);
@@ -164,12 +166,17 @@ export class Repair {
     return group;
   }
 
-  private inertia({ link: name, inertia }: Preview): Step | null {
+  private inertia({ link: name, inertia, com }: Preview): Step | null {
     const link = name === undefined ? undefined : this.robot.links.get(name);
     if (!link || !inertia || inertia.impossible !== undefined) return null;
     this.inertias.add(link.data.name);
     const then = body(inertia, "box", COLORS.after);
     const now = this.bodyNow(link);
+    const moves = com ? this.comThen(link, com) : null;
+    if (moves) {
+      this.coms = true;
+      link.frame.add(moves.glyph, moves.ball);
+    }
     const pale = [link.data.inertia, inertia].map((each, i) =>
       each && each.impossible === undefined ? line(dashed(each.box), i ? COLORS.after : COLORS.box, 1.75, matrix(each.at)) : new Object3D());
     link.frame.add(now, then, ...pale);
@@ -185,12 +192,28 @@ export class Repair {
       place: (part) => {
         now.visible = pale[1]!.visible = part <= 0.5;
         then.visible = pale[0]!.visible = part > 0.5;
+        if (moves) moves.ball.visible = part > 0.5;
       },
-      anchors: (after) => [labels[after ? 1 : 0]],
+      anchors: (after) => [labels[after ? 1 : 0], ...(moves?.labels ?? [])],
       other: [],
       points: [],
-      remove: () => { for (const object of [now, then, ...pale]) object.removeFromParent(); },
+      remove: () => {
+        for (const object of [now, then, ...pale, ...(moves ? [moves.glyph, moves.ball] : [])]) object.removeFromParent();
+      },
     };
+  }
+
+  /** The ball of the COM where a repair puts it, and the way there. */
+  private comThen(link: LinkNode, com: number[]): { glyph: Group; ball: Mesh; labels: Anchor[] } {
+    const to = new Vector3(...com);
+    const ball = placed(new Mesh(glyphs.ball, shared.glyph), scaled(moved(to.x, to.y, to.z), ballRadius(link.data.mass ?? 0, this.robot.size)));
+    const glyph = placed(new Group(), new Matrix4());
+    const from = link.data.com && new Vector3(...link.data.com);
+    if (!from || from.distanceTo(to) <= 1e-3 * this.robot.size) return { glyph, ball, labels: [] };
+    const middle = from.clone().lerp(to, 0.5);
+    const object = placed(new Object3D(), moved(middle.x, middle.y, middle.z));
+    glyph.add(line(dashes(from, to), COLORS.after, 2.5), object);
+    return { glyph, ball, labels: [{ text: `COM moved ${length(from.distanceTo(to))}`, object, kind: "turn", rank: 8 }] };
   }
 
   private bodyNow(link: LinkNode): Object3D {

@@ -2,7 +2,7 @@
 import { Box3, BufferGeometry, Color, Group, Matrix4, Mesh, MeshPhongMaterial, Object3D, SRGBColorSpace, Vector3 } from "three";
 import type { Joint, Link, ModelData, Severity, Shape } from "./data.ts";
 import { body, edge, mark, ORDER, shared } from "./materials.ts";
-import type { Outlined } from "./outline.ts";
+import type { Line, Outlined } from "./outline.ts";
 import { matrix, tubes, type Shapes } from "./shapes.ts";
 import type { Theme } from "./theme.ts";
 
@@ -52,7 +52,7 @@ export interface Look {
   /** Whether the drawn shapes of solid links are ghosts too, so that their collision shapes show. */
   sheer: boolean;
   /** What the outline of a link says, which has this severity of its own; of the selected links only, where any are. */
-  outline(name: string, own: Severity): Severity;
+  outline(name: string, own: Severity): Severity | Line;
   hovered: string | null;
 }
 
@@ -261,7 +261,7 @@ export class Robot {
       const ghost = look.lit !== null && !look.lit.has(name);
       const hovered = look.hovered === name;
       const said = look.outline(name, severity);
-      const line = said === "error" || said === "warning" ? said : null;
+      const line = said === "info" || said === "" ? null : said;
       const sheer = ghost || look.sheer;
       for (const part of link.bodies) {
         part.mesh.visible = look.visual;

@@ -1,7 +1,7 @@
 // The buttons over the picture.
 import { LAYERS, type Layer } from "./data.ts";
 import { el, icon, pressed } from "./dom.ts";
-import { SWATCHES } from "./overlays.ts";
+import { SWATCHES, TIPS } from "./overlays.ts";
 
 /** The name of each layer, and what it shows. */
 export const WORDS: Record<Exclude<Layer, "preview">, [string, string]> = {
@@ -22,7 +22,7 @@ export const KEYED = LAYERS.filter((layer): layer is keyof typeof WORDS => layer
 /** A mark in the colours of what it stands for. */
 export function swatch(kind: string): HTMLElement {
   const mark = el("i", { class: `uc-swatch ${kind}`, "aria-hidden": "true" });
-  const color = SWATCHES[kind as Layer];
+  const color = kind === "ground tips" ? TIPS : SWATCHES[kind as Layer];
   if (color) mark.style.background = color;
   return mark;
 }
@@ -101,8 +101,9 @@ export class Toolbar {
   }
 
   /** Which layers there are at all. */
-  offer(layers: Set<Layer>, outlined: boolean): void {
+  offer(layers: Set<Layer>, outlined: boolean, stands: boolean): void {
     for (const [layer, button] of this.layers) button.hidden = !layers.has(layer);
+    this.layers.get("ground")!.firstElementChild!.replaceWith(swatch(stands ? "ground" : "ground tips"));
     this.outline.hidden = !outlined;
   }
 

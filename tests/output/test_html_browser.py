@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -24,7 +25,7 @@ def about(of: str, **changes: Any) -> Any:
     return finding(location=Location(subject, finding().location.span), subjects=(subject,), **changes)
 
 
-LONG = finding(message="a_name_without_a_break_" * 30, subjects=("link[" + "x" * 300 + "]",))
+LONG = finding(message="a_name_without_a_break_" * 30, subjects=("link[" + "x" * 300 + "]",), related=())
 RUN = a_run(
     *a_run().findings,
     LONG,
@@ -189,8 +190,19 @@ def test_paper_shows_what_is_folded_and_the_robot(browser: Any, report: str) -> 
     assert page.locator("#rule-INR003").is_hidden(), "paper names the rules and does not quote them"
     assert page.evaluate("getComputedStyle(document.body).backgroundColor") == "rgb(255, 255, 255)"
     assert page.locator("#uc-print").bounding_box()["y"] < 700
-    for part in ("nav >> nth=0", "button >> nth=0", "canvas >> nth=0", "#find"):
+    for part in (
+        "nav >> nth=0",
+        "button >> nth=0",
+        "canvas >> nth=0",
+        "#find",
+        ".more > summary >> nth=0",
+        ".copy-place >> nth=0",
+    ):
         assert page.locator(part).is_hidden()
+    names = page.locator(".card:not(.known) .at > .names button").all()
+    assert names
+    assert all(name.is_visible() for name in names), "a link's name is no button on paper"
+    assert page.locator(".card .minds").first.evaluate("line => getComputedStyle(line).display") == "flex"
 
 
 # -- search, filters, groups -------------------------------------------------------------------------------------------
@@ -207,6 +219,15 @@ def test_search_takes_all_words_from_message_code_name_and_file(page: Any) -> No
     page.click("#reset")
     assert len(shown(page)) == 6
     assert page.input_value("#find") == ""
+
+
+def test_search_finds_the_place_that_a_card_shows(page: Any) -> None:
+    place = page.locator(".card .at .place").first.inner_text()
+    assert place.startswith("rover.urdf:")
+    page.fill("#find", place)
+    page.wait_for_selector("#shown:not(:empty)")
+    assert shown(page)
+    page.click("#reset")
 
 
 def test_what_is_not_found_is_said(page: Any) -> None:
@@ -308,9 +329,10 @@ def test_filters_by_severity_rule_element_confidence_and_known(page: Any) -> Non
     page.select_option("#by-element", "link wheel")
     assert shown(page) == ["INR003"]
     page.select_option("#by-rule", "")
-    assert shown(page) == ["INR003", "INR001"]
+    # The last one is about the base, and has a place in the wheel.
+    assert shown(page) == ["INR003", "INR001", "INR001"]
     page.uncheck("#show-warning")
-    assert shown(page) == ["INR003"]
+    assert shown(page) == ["INR003", "INR001"]
     page.click("#reset")
     page.select_option("#by-confidence", "heuristic")
     assert shown(page) == ["INR003"]
@@ -339,6 +361,30 @@ def test_cards_move_into_groups_and_back(page: Any) -> None:
     assert page.eval_on_selector_all(".card", "all => all.map((c) => c.id)") == before
     assert heads(page) == ["START HERE", "THEN 3"]
     assert page.locator(".notes").is_visible()
+
+
+def test_a_finding_of_several_links_is_found_under_each(browser: Any, tmp_path: Path) -> None:
+    both = about("base", code="INR008", message_id="shared")
+    several = replace(both, subjects=("link[base]/inertial", "link[wheel]/inertial"))
+    path = tmp_path / "several.html"
+    path.write_text(render(a_run(several, about("wheel", code="INR001", message_id="m"))), encoding="utf-8")
+    page = ready(opened(browser, path.as_uri(), viewport={"width": 1440, "height": 900}))
+    page.click("#more")
+    page.select_option("#group", "element")
+    assert heads(page) == ["link base 1", "link wheel 2"]
+    stub = page.locator(".stub:visible")
+    assert stub.count() == 1
+    assert "INR008" in stub.inner_text()
+    page.fill("#find", "INR001")
+    page.wait_for_selector("#shown:not(:empty)")
+    assert page.locator(".stub:visible").count() == 0
+    page.fill("#find", "")
+    page.wait_for_selector("#shown:empty", state="attached")
+    page.locator(".stub a").click()
+    assert page.locator(".card[aria-current=true]").get_attribute("data-code") == "INR008"
+    page.select_option("#group", "severity")
+    assert page.locator(".stub").count() == 0
+    page.close()
 
 
 # -- one finding and the robot -----------------------------------------------------------------------------------------

@@ -15,7 +15,16 @@ from numpy.typing import NDArray
 from output.runs import IDENTITY, a_run, finding, info, make_inertia, make_joint, make_link, rule, scene, span_of
 
 from urdfcheck.core import Location, Severity
-from urdfcheck.core.scene import Scene, SceneDrawing, SceneGround, SceneInertia, SceneMesh, ScenePreview, SceneShape
+from urdfcheck.core.scene import (
+    Scene,
+    SceneDrawing,
+    SceneGround,
+    SceneInertia,
+    SceneMesh,
+    SceneOverlap,
+    ScenePreview,
+    SceneShape,
+)
 from urdfcheck.facts.mesh.codec import needs_wide_indices, pack_mesh
 from urdfcheck.output.html import render
 
@@ -574,6 +583,132 @@ def test_no_empty_group_of_buttons_stays(repairs: Any) -> None:
     assert len(groups) == 2
     assert all(group.locator("button:visible").count() for group in groups)
     assert repairs.locator(".uc-legend").is_hidden()
+
+
+def told(code: str, *subjects: str, related: tuple[str, ...] = (), **data: Any) -> Any:
+    """A warning about parts of the robot, with what the view needs of it."""
+    return finding(
+        code=code,
+        message_id=code.lower(),
+        headline=f"{code} is here",
+        location=Location(subjects[0], span_of("wheel")),
+        subjects=subjects,
+        severity=Severity.WARNING,
+        related=tuple(Location(place, None) for place in related),
+        data=data,
+        fix=None,
+    )
+
+
+@pytest.fixture(scope="module")
+def several(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Any]:
+    """A page of findings about more than their subjects, and of a robot that tips over."""
+    findings = (
+        told("SYM004", "link[finger_b]/inertial", between=["link[finger_a]", "link[finger_b]"]),
+        told("SYM003", "link[tool]/inertial", related=("link[base]/inertial",)),
+        told("COL001", "link[arm]/collision", related=("link[tool]/collision", "link[base]/collision"), link="arm"),
+        told("INR006", "link[arm]/inertial/origin@xyz"),
+        told("DYN002", "joint[shoulder]/limit@effort", pose={"shoulder": 0.4, "slide": 0.1}),
+        told("LCH005", "node[tf]@args", link="arm", parent="base", child="base_footprint"),
+    )
+    overlaps = (
+        SceneOverlap(("base", "tool"), (0.0, 0.0, 0.0), 0.093),
+        SceneOverlap(("base", "arm"), (0.0, 0.0, 0.1), 0.02),
+        SceneOverlap(("arm", "tool"), (0.1, 0.0, 0.3), 0.071),
+        SceneOverlap(("arm", "finger_a"), (0.1, 0.0, 0.3), 0.092),
+    )
+    ground = SceneGround(
+        height=-0.05, contacts=(), support=((-0.2, -0.1), (0.2, -0.1), (0.0, 0.2)), com=(0.9, 0.0, 0.1)
+    )
+    moved = ScenePreview(
+        code="INR006",
+        message_id="inr006",
+        at=span_of("wheel"),
+        link="arm",
+        inertial=replace(rotated(), com=(0.01, -0.02, -0.1)),
+    )
+    robot = replace(a_robot(), overlaps=overlaps, ground=ground, previews=(moved,))
+    run = a_run(*findings, scenes=(robot,), models=(info(),), rules={f.code: rule(f.code, f.code) for f in findings})
+    path = tmp_path_factory.mktemp("several") / "report.html"
+    path.write_text(render(run), encoding="utf-8")
+    with open_watched(browser, path) as page:
+        yield page
+
+
+def test_a_link_that_a_finding_names_beside_its_subject_knows_it(several: Any) -> None:
+    choose(several, "SYM004")
+    assert [several.locator(f"[data-layer={layer}]").get_attribute("aria-pressed") for layer in ("com", "box")] == [
+        "true"
+    ] * 2
+    assert several.locator("[data-layer=axes]").get_attribute("aria-pressed") == "false"
+    assert set(several.locator(".uc-label").all_text_contents()) == {"finger_a", "finger_b"}
+    several.keyboard.press("Escape")
+    several.evaluate(
+        "detail => document.dispatchEvent(new CustomEvent('uc:select', { detail }))",
+        {"model": "m1", "link": "finger_a", "origin": "viewer"},
+    )
+    assert several.locator(".card:visible").evaluate_all("all => all.map((c) => c.dataset.code)") == ["SYM004"]
+    several.keyboard.press("Escape")
+    several.keyboard.press("h")
+    several.mouse.move(*several.evaluate("urdfcheck.pixel('finger_a')"))
+    several.locator(".uc-tip", has_text="warning SYM004").wait_for()
+
+
+def test_the_overlaps_of_a_finding_are_its_own_the_deepest_first(several: Any) -> None:
+    several.keyboard.press("Escape")
+    choose(several, "COL001")
+    own = several.locator(".uc-label.error").all_inner_texts()
+    assert own == ["7.1 cm deep: arm × tool", "2 cm deep: base × arm"]
+    several.keyboard.press("Escape")
+
+
+def test_a_com_is_shown_where_its_repair_puts_it(several: Any) -> None:
+    choose(several, "INR006")
+    several.get_by_role("button", name="After", exact=True).click()
+    assert several.locator(".uc-label", has_text="COM moved 25 cm").count() == 1
+    legend = several.locator(".uc-legend").inner_text()
+    assert "Link after the repair" in legend
+    assert "COM: a ball of lead" in legend
+    assert count_pixels(several, REPAIR_LINE) > 100
+    several.keyboard.press("Escape")
+
+
+def test_a_finding_is_shown_in_its_pose_and_the_next_one_is_not(several: Any) -> None:
+    choose(several, "DYN002")
+    arm = SHOULDER @ turn(SHOULDER_AXIS, 0.4)
+    np.testing.assert_allclose(frame(several, "arm"), arm, atol=1e-6)
+    np.testing.assert_allclose(frame(several, "tool"), arm @ SLIDE @ move(0, 0, 0.1), atol=1e-6)
+    choose(several, "SYM004")
+    np.testing.assert_allclose(frame(several, "arm"), SHOULDER, atol=1e-6)
+    several.keyboard.press("Escape")
+
+
+def test_a_transform_of_a_launch_file_is_shown_at_its_link(several: Any) -> None:
+    choose(several, "LCH005")
+    assert several.evaluate("document.body.dataset.selected") == "base"
+    several.keyboard.press("Escape")
+
+
+def test_what_is_selected_is_not_under_the_buttons(several: Any) -> None:
+    several.set_viewport_size({"width": 1180, "height": 800})
+    for code in ("SYM004", "SYM003", "INR006", "DYN002"):
+        choose(several, code)
+        low = several.evaluate("document.querySelector('.uc-bar').getBoundingClientRect().bottom")
+        assert several.evaluate("urdfcheck.pixel(document.body.dataset.selected)")[1] > low
+        tops = [label.bounding_box()["y"] for label in several.locator(".uc-label:not([style*=hidden])").all()]
+        assert min(tops) > low
+    several.keyboard.press("Escape")
+    several.set_viewport_size({"width": 1280, "height": 800})
+
+
+def test_the_key_of_the_ground_has_the_colour_of_what_is_drawn(several: Any) -> None:
+    several.keyboard.press("0")
+    swatches = (several.locator(".uc-swatch.ground.tips").nth(i) for i in range(2))
+    assert [dot.evaluate("dot => getComputedStyle(dot).backgroundColor") for dot in swatches] == [
+        "rgb(224, 38, 60)"
+    ] * 2
+    assert several.locator(".uc-label", has_text="outside its support").count() == 1
+    several.keyboard.press("0")
 
 
 def test_names_of_strangers_stay_text(browser: Any, tmp_path: Path) -> None:

@@ -12,19 +12,20 @@ const elementOf = ({ dataset }) =>
 // The links and joints that the 3D view shows for a finding are more than its subjects.
 const staged = new Map();
 for (const { findings } of JSON.parse(by("uc-data")?.textContent ?? '{"models": []}').models) {
-  for (const { id, links, joints } of findings) {
-    staged.set(id, [...links.map((name) => `link ${name}`), ...joints.map((name) => `joint ${name}`)]);
+  for (const { id, links, joints, beside } of findings) {
+    const shown = [{ links, joints }, beside ?? { links: [], joints: [] }];
+    staged.set(id, shown.flatMap((each) => [...each.links.map((name) => `link ${name}`), ...each.joints.map((name) => `joint ${name}`)]));
   }
 }
 
 const findings = Array.from(main.querySelectorAll(".card"), (card) => {
   const subjects = card.querySelector(".subjects");
-  const elements = [
-    ...Array.from(subjects?.parentElement.querySelectorAll(".subjects li") ?? [], elementOf),
-    ...(staged.get(card.id) ?? []),
-  ];
+  const own = Array.from(subjects?.parentElement.querySelectorAll(".subjects li") ?? [], elementOf);
+  const elements = [...own, ...(staged.get(card.id) ?? [])];
   const named = card.querySelector(".rule-name").textContent.trim();
-  const text = [card.querySelector("h4").textContent, named, card.querySelector(".message").textContent, subjects?.textContent, card.dataset.file];
+  // As the card shows them, and whole: a place that is a line of the same file has no name of its own.
+  const places = Array.from(card.querySelectorAll(":is(.at, .occurrences) .place"), (place) => `${place.textContent} ${place.title}`);
+  const text = [card.querySelector("h4").textContent, named, card.querySelector(".message").textContent, subjects?.textContent, card.dataset.file, ...places];
   return {
     card,
     home: card.parentElement,
@@ -34,12 +35,27 @@ const findings = Array.from(main.querySelectorAll(".card"), (card) => {
     code: card.dataset.code,
     confidence: card.dataset.confidence,
     elements: [...new Set(elements)].filter(Boolean),
+    // Those it is filed under.
+    own: [...new Set(own)].filter(Boolean),
     programs: card.dataset.programs?.split(" ") ?? [],
     text: text.join(" ").toLowerCase(),
     rule: named,
     shown: true,
   };
 });
+// What is no link but is seen at one, such as a transform, is shown in 3D too.
+for (const { card } of findings) {
+  const line = card.querySelector(".at");
+  if (!line || !staged.get(card.id)?.length || line.querySelector(":scope > .in-3d")) continue;
+  const button = document.createElement("button");
+  button.type = "button";
+  button.className = "in-3d";
+  button.title = "Show in 3D";
+  button.setAttribute("aria-label", button.title);
+  button.textContent = "3D";
+  button.hidden = true;
+  line.append(button);
+}
 const ofCard = new Map(findings.map((finding) => [finding.card, finding]));
 
 // -- search and filters -----------------------------------------------------------------------------------------------
@@ -59,6 +75,9 @@ let picked = null;
 // The program whose chip is pressed, as {model, name, label}.
 let program = null;
 const opened = new Set();
+// Groups that the page's script made, and in them the lines that lead to cards in other ones.
+let made = [];
+let stubs = [];
 
 function fill(select, options) {
   for (const [value, label] of [...options].sort(([a], [b]) => a.localeCompare(b, "en", { numeric: true }))) {
@@ -115,6 +134,11 @@ function filter() {
     if (finding.card.hidden === finding.shown) finding.card.hidden = !finding.shown;
     if (!finding.shown) continue;
     for (let box = finding.card.parentElement; box !== main; box = box.parentElement) kept.set(box, (kept.get(box) ?? 0) + 1);
+  }
+  for (const { stub, of } of stubs) {
+    stub.hidden = !of.shown;
+    const box = stub.closest(".group");
+    if (of.shown) kept.set(box, (kept.get(box) ?? 0) + 1);
   }
   for (const box of main.querySelectorAll(".model, .group, .fold")) {
     const number = kept.get(box) ?? 0;
@@ -196,10 +220,18 @@ by("unfold").addEventListener("click", ({ currentTarget }) => {
 const WHOLE = "the model as a whole";
 const titles = {
   rule: (finding) => finding.rule,
-  element: (finding) => finding.elements[0] ?? WHOLE,
+  element: (finding) => finding.own[0] ?? finding.elements[0] ?? WHOLE,
   file: ({ card }) => card.dataset.file || WHOLE,
 };
-let made = [];
+function refer(of, name) {
+  const stub = document.createElement("p");
+  const link = document.createElement("a");
+  stub.className = "stub";
+  link.href = `#${of.card.id}`;
+  link.textContent = `${of.code} ${of.card.querySelector(".headline").textContent}`;
+  stub.append(of.card.querySelector(".glyph").cloneNode(true), " ", link, `, under ${name}`);
+  return { stub, of };
+}
 
 function regroup() {
   const title = titles[group.value];
@@ -215,9 +247,13 @@ function regroup() {
     const cards = places.get(name) ?? [];
     places.set(name, cards);
     cards.push(finding.card);
+    if (group.value !== "element") continue;
+    // A card is in one place: the other elements that have the defect lead there.
+    for (const other of finding.own.slice(1)) places.set(other, [...(places.get(other) ?? []), refer(finding, name)]);
   }
   for (const box of made) box.remove();
   made = [];
+  stubs = [];
   for (const [model, places] of groups) {
     const into = model.querySelector(".findings");
     const before = into.querySelector(":scope > .fold");
@@ -230,9 +266,12 @@ function regroup() {
       count.className = "count";
       count.textContent = cards.length;
       list.className = "cards";
-      head.append(cards[0].querySelector(".glyph").cloneNode(true), ` ${name} `, count);
-      head.classList.add(ofCard.get(cards[0]).severity);
-      list.append(...cards);
+      const first = cards[0].of ?? ofCard.get(cards[0]);
+      head.append(first.card.querySelector(".glyph").cloneNode(true), ` ${name} `, count);
+      head.classList.add(first.severity);
+      for (const entry of cards) if (entry.of) stubs.push(entry);
+      cards.sort((a, b) => Boolean(a.of) - Boolean(b.of));
+      list.append(...cards.map((entry) => entry.stub ?? entry));
       box.append(head, list);
       into.insertBefore(box, before);
       made.push(box);

@@ -109,7 +109,12 @@ def _translate_finding(finding: dict[str, Any], names: _PartNames) -> dict[str, 
     """Name the parts of a finding of the first version as the second calls them."""
     pairs = [names.find_links("link", name) for name in finding["links"]]
     pairs += [names.find_links("joint", name) for name in finding["joints"]]
-    return {**finding, **_name_parts(pairs), "joints": []}
+    translated = {**finding, **_name_parts(pairs), "joints": []}
+    # What it is compared with is the first version's too.
+    translated.pop("beside", None)
+    if "pose" in finding:
+        translated["pose"] = _name_positions(finding["pose"], names)
+    return translated
 
 
 def _name_parts(pairs: Iterable[tuple[str, str]]) -> dict[str, list[str]]:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -21,6 +22,15 @@ from urdfcheck.rules import load_rules
 # Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
 # edge² = 6 (I2 + I3 - I1) / m, semi-axis² = 5 (I2 + I3 - I1) / (2 m), and cyclically.
 _BOX, _ELLIPSOID = 6.0, 2.5
+# What shows a part of a link.
+_PART_LAYERS: Mapping[tuple[str, str], tuple[str, ...]] = {
+    ("link", "inertial"): ("visual", "com", "box"),
+    ("link", "collision"): ("visual", "collision"),
+    ("link", "visual"): ("visual",),
+}
+_PART = re.compile(r"/(\w+)")
+# The rules that compare parts which should be alike: of the others, which are right, a finding names the places.
+_COMPARING = "SYM"
 # In metres: a graphics card computes with seven digits, so that no robot is visible beside anything larger.
 _LARGEST = 1e9
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
@@ -39,10 +49,16 @@ def build_scene_data(models: Iterable[tuple[str, str, Scene, Sequence[FindingCar
     return {"models": built, "meshes": pool.entries}, b"".join(pool.data)
 
 
-def get_layers(code: str) -> tuple[str, ...]:
-    """Return the layers of the 3D view that show a finding of this rule best; see ``rules/families.toml``."""
-    rule = load_rules().get(code)
-    return ("visual",) if rule is None else rule.layers
+def get_layers(finding: Finding) -> tuple[str, ...]:
+    """Return the layers of the 3D view that show a finding best: those of its rule (see ``rules/families.toml``), and those of
+    the part of a link that it is about. Axes and frames belong to joints: they show nothing of an inertial or a shape."""
+    rule = load_rules().get(finding.code)
+    layers = ("visual",) if rule is None else rule.layers
+    parts = {_get_part(subject) for subject in finding.subjects}
+    own = _PART_LAYERS.get(parts.pop(), ()) if len(parts) == 1 else ()
+    if not own:
+        return layers
+    return tuple(dict.fromkeys([*(layer for layer in layers if layer not in ("axes", "frames")), *own]))
 
 
 class MeshPool:
@@ -93,12 +109,7 @@ def build_model(
     worst = compute_severity_marks(cards)
     active = [card for card in cards if card.finding.suppressed is None]
     links = frozenset(link.name for link in scene.links)
-    by_pair = {
-        frozenset(pair): card.anchors[0]
-        for card in active
-        for own in card.finding.list_occurrences()
-        if len(pair := _list_named_links(own, links)) == 2
-    }
+    by_pair = {pair: card.anchors[0] for card in active for pair in _iter_pairs(card.finding, links)}
     ground = scene.ground
     return {
         "id": section_id,
@@ -225,39 +236,116 @@ def _build_findings(cards: Iterable[FindingCard], scene: Scene) -> list[dict[str
     previews: dict[object, list[dict[str, Any]]] = {}
     for preview in scene.previews:
         previews.setdefault((preview.code, preview.message_id, preview.at), []).append(_build_preview(preview))
-    links = frozenset(link.name for link in scene.links)
-    return [_build_finding(card, previews, links) for card in cards]
+    return [_build_finding(card, previews, scene) for card in cards]
 
 
-def _build_finding(
-    card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], links: frozenset[str]
-) -> dict[str, Any]:
+def _build_finding(card: FindingCard, previews: Mapping[object, list[dict[str, Any]]], scene: Scene) -> dict[str, Any]:
     finding = card.finding
-    keys = [key for subject in finding.subjects if (key := parse_element_key(subject)) is not None]
     places = {(own.code, own.message_id, own.location.span): None for own in finding.list_occurrences()}
     preview = [shown for place in places for shown in previews.get(place, [])]
-    return {
+    own, beside = _sort_elements(finding)
+    layers = get_layers(finding)
+    if not own:
+        own = [("link", name) for name in _list_named_links(finding, scene)]
+        # A transform that a launch file publishes.
+        layers = (*layers, "frames") if "parent" in finding.data and "frames" not in layers else layers
+    values: dict[str, Any] = {
         "id": card.anchors[0],
         "code": finding.code,
         "severity": str(finding.severity),
-        "links": list(dict.fromkeys(name for kind, name in keys if kind == "link"))
-        or _list_named_links(finding, links),
-        "joints": list(dict.fromkeys(name for kind, name in keys if kind == "joint")),
-        "layers": [*get_layers(finding.code), *(["preview"] if preview else [])],
+        "links": [name for kind, name in own if kind == "link"],
+        "joints": [name for kind, name in own if kind == "joint"],
+        "layers": [*layers, *(["preview"] if preview else [])],
         "preview": preview,
     }
+    if beside:
+        values["beside"] = {f"{kind}s": [name for k, name in beside if k == kind] for kind in ("link", "joint")}
+    if pose := _get_pose(finding, scene):
+        values["pose"] = pose
+    return values
 
 
-def _list_named_links(finding: Finding, links: frozenset[str]) -> list[str]:
-    """List the links that the data of a finding name."""
-    names = (finding.data.get(key) for key in ("link", "other", "child"))
+def _sort_elements(finding: Finding) -> tuple[list[tuple[str, str]], list[tuple[str, str]]]:
+    """Return the links and joints that have the defect, and those that it is only compared with or refers to.
+
+    A related place has the same defect if it is the same part of another link or joint: one finding tells of them all."""
+    own = dict.fromkeys(_iter_elements(finding.subjects))
+    # A mesh that is drawn and one that collides are both shapes.
+    shapes = ("visual", "collision")
+    parts = {_get_part(subject) for subject in finding.subjects}
+    parts |= {(kind, shape) for kind, part in parts if part in shapes for shape in shapes}
+    beside: dict[tuple[str, str], None] = {}
+    for each in finding.list_occurrences():
+        own |= dict.fromkeys(_iter_elements(_list_texts(each.data.get("between"))))
+        if own:
+            kind = next(iter(own))[0]
+            twins = (each.data.get("twin"), each.data.get("one"))
+            beside |= dict.fromkeys((kind, name) for name in twins if isinstance(name, str) and name)
+    for place in (finding, *finding.occurrences):
+        for related in place.related:
+            is_same = not finding.code.startswith(_COMPARING) and _get_part(related.subject) in parts
+            (own if is_same and own else beside).update(dict.fromkeys(_iter_elements([related.subject])))
+    return list(own), [key for key in beside if key not in own]
+
+
+def _iter_elements(subjects: Iterable[str]) -> Iterator[tuple[str, str]]:
+    """Yield the link or joint of each subject that is in one."""
+    for subject in subjects:
+        if key := parse_element_key(subject):
+            yield key[0], key[1]
+
+
+def _list_texts(value: object) -> list[str]:
+    return [text for text in value if isinstance(text, str)] if isinstance(value, (list, tuple)) else []
+
+
+def _get_part(subject: str) -> tuple[str, str]:
+    """Return what a subject is a part of, and which: ``("link", "inertial")`` for ``link[wheel_1]/inertial/mass@value``."""
+    key = parse_element_key(subject)
+    if key is None:
+        return "", ""
+    rest = _PART.match(subject, len(f"{key[0]}[{key[1]}]"))
+    return key[0], rest[1] if rest else ""
+
+
+def _iter_pairs(finding: Finding, links: frozenset[str]) -> Iterator[frozenset[str]]:
+    """Yield the pairs of links that a finding is about: at each place one link, and each of those that it meets."""
+    for own in finding.list_occurrences():
+        named = [name for key in ("link", "other") if isinstance(name := own.data.get(key), str) and name in links]
+        met = [name for kind, name in _iter_elements(place.subject for place in own.related) if kind == "link"]
+        for other in dict.fromkeys([*named[1:], *met]) if named else ():
+            if other != named[0]:
+                yield frozenset((named[0], other))
+
+
+def _list_named_links(finding: Finding, scene: Scene) -> list[str]:
+    """List the links that the data of a finding name, of a transform those that it places."""
+    links = frozenset(link.name for link in scene.links)
+    keys = ("parent", "child") if "parent" in finding.data else ("link", "other", "first", "second", "child")
+    names = (finding.data.get(key) for key in keys)
     return list(dict.fromkeys(name for name in names if isinstance(name, str) and name in links))
+
+
+def _get_pose(finding: Finding, scene: Scene) -> dict[str, float]:
+    """Return the joint positions at which a finding was measured; empty where that is every one at its start."""
+    pose = finding.list_occurrences()[0].data.get("pose")
+    if not isinstance(pose, Mapping):
+        return {}
+    joints = {joint.name for joint in scene.joints}
+    positions = {name: value for name, value in pose.items() if name in joints and isinstance(value, (int, float))}
+    known = {name: _restrict_to_reachable(_round_finite(value)) for name, value in positions.items()}
+    return {name: value for name, value in known.items() if value is not None}
 
 
 def _build_preview(preview: ScenePreview) -> dict[str, Any]:
     if preview.inertial is None:
         return {"joint": preview.joint, "at": round_values(preview.pose)}
-    return {"link": preview.link, "inertia": _build_inertia(preview.inertial)}
+    com = preview.inertial.com
+    return {
+        "link": preview.link,
+        "com": round_values(com) if com else None,
+        "inertia": _build_inertia(preview.inertial),
+    }
 
 
 def round_values(values: Iterable[float]) -> list[float | None]:

@@ -53,7 +53,7 @@ class Losses:
     needs_warnings: bool = False
     """Whether the errors alone do not explain ``by_problems``."""
     is_any: bool = False
-    """Whether a program loses something of a model, for whatever reason: no tick may stand beside that."""
+    """Whether a program loses something of a model, for whatever reason: then a tick would contradict it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +119,7 @@ def describe_losses(run: Run) -> Losses:
 def list_refusing_notes(run: Run) -> Run:
     """Return the run with the notes on request among its findings that say why a program refuses a model or drops a part of it.
 
-    Notes about what is no target stay out where there are targets, and so do those about models of which errors alone are listed.
+    Where there are targets, notes about other programs stay out, and so do those about models of which errors alone are listed.
     """
     quiet = {skip.model for skip in run.skipped if skip.code in {SkippedCheck.WARNINGS, SkippedCheck.FINDINGS}}
     listed = [
