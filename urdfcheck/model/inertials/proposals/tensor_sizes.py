@@ -55,8 +55,10 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
 
 
 def describe_spread_beyond_robot(model: Model, declared: DeclaredTensor) -> str:
-    """Say that the tensor is one of a longer body than the robot, whatever the link draws; empty where it is not. The reach of the
-    robot is that of its joints and known shapes: a mesh that was not read is no longer than that."""
+    """Say that the tensor is one of a longer body than the robot, whatever the link draws; empty where it is not.
+
+    The robot spans what its joints and known shapes do: a mesh that was not read hardly makes it longer.
+    """
     mass = declared.inertial.mass
     try:
         reach = measure_reach(model, with_shapes=True, with_unread=False)
@@ -69,7 +71,8 @@ def describe_spread_beyond_robot(model: Model, declared: DeclaredTensor) -> str:
     span = 2.0 * spread**0.5  # no shorter body has such a spread
     if not span > _BEYOND * reach:
         return ""
-    return f"; with {mass:.3g} kg they are those of a body at least {format_length(span)} long, and the robot spans {format_length(reach)}"
+    body = f"a body at least {format_length(span)} long"
+    return f"; with {mass:.3g} kg they are those of {body}, and the robot spans {format_length(reach)}"
 
 
 def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:
