@@ -90,7 +90,8 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     """Find all wheels that can stand on the ground, driven, steered or free.
 
     A wheel is the child of a continuous joint with a level axis, or nearly, drawn round about it; its name, or that of a like
-    part on the same link, says wheel or caster, or it reaches as low as anything of the robot, or it is one of the only two such parts, beside each other on one body.
+    part on the same link, says wheel or caster, or it reaches as low as anything of the robot, or it is one of the only two such
+    parts, beside each other on one body.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
