@@ -203,6 +203,15 @@ def test_a_sign_is_named_when_the_other_one_is_near_the_parts_own(tmp_path: Path
     assert edits == ([("-0.16 0.001 0.0", "0.16 0.001 0.0")] if message == "sign" else [])
 
 
+@pytest.mark.parametrize(("times", "message"), [(1.0, "sign"), (3.0, "sign"), (20.0, "outside"), (0.05, "outside")])
+def test_a_tensor_of_another_body_shows_no_sign(tmp_path: Path, times: float, message: str) -> None:
+    part = Part(place=(0.15, 0, 0))
+    found = find(tmp_path, make_arm(replace(part, com=(-0.16, 0.001, 0), tensor=times * part.inertia)), {"INR006"})
+    assert [(finding.message_id, bool(finding.fix and finding.fix.edits)) for finding in found] == [
+        (message, message == "sign")
+    ]
+
+
 def test_a_centre_of_mass_that_was_not_given_is_told(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(replace(Part(place=(0.15, 0, 0)), com=(0, 0, 0))), {"INR006"})
     assert finding.cause is not None

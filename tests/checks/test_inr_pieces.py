@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from builders import box, find, joint, link, mesh, robot, visual
-from castings import CASTING, MISTAKES, Block, drawn_boxes, edited, format_inertial, geometry, uniform
+from castings import CASTING, MISTAKES, Block, drawn_boxes, edited, format_inertial, geometry, uniform, write_stl
 
 from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
@@ -125,6 +126,24 @@ def test_an_inertial_in_the_frame_of_the_mesh_is_named_and_brought_to_the_link(t
     assert finding.fix is not None
     assert not finding.fix.edits
     assert "-0.18" in finding.fix.title
+
+
+def test_half_a_turn_of_the_mesh_is_not_called_mirrored(tmp_path: Path) -> None:
+    numbers = format_inertial(uniform(DRAWN.solid))
+    text = robot(
+        link("base"),
+        joint("j", "base", "part", kind="continuous"),
+        link("part", numbers, visual(mesh("part.stl"), rpy="3.14 0 0")),
+    )
+    write_stl(tmp_path / "part.stl", CASTING)
+    (finding,) = find(tmp_path, text, "INR009")
+    assert finding.cause is not None
+    assert finding.cause.id == "mesh_frame"
+    x, y, z = DRAWN.solid.com
+    assert finding.fix is not None
+    written = re.search('xyz="(.*?)"', finding.fix.title)
+    assert written is not None
+    assert np.allclose([float(one) for one in written[1].split()], (x, -y, -z), atol=2e-3 * abs(z) + 2e-3 * abs(y))
 
 
 @pytest.mark.parametrize("is_of_mesh", [True, False])

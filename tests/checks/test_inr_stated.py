@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, find, inertial, joint, link, mesh, robot, visual
+from builders import box, find, inertial, joint, limit, link, mesh, robot, visual
 from castings import CASTING, geometry, uniform, write_stl
 
 from urdfcheck.core import Severity
@@ -45,6 +45,44 @@ def test_a_placeholder_with_a_reason_was_chosen(tmp_path: Path, comment: str, me
     (finding,) = find(tmp_path, make_chain(part), "INR007")
     assert finding.message_id == message
     assert (finding.severity is Severity.INFO) == (message == "chosen")
+
+
+@pytest.mark.parametrize(
+    ("comment", "message"),
+    [
+        ("<!-- Dummy link as place holder for the thruster frame -->", "chosen"),
+        ("<!-- link of the thruster -->", "placeholder"),
+        ("<!-- dummy values -->", "placeholder"),
+    ],
+)
+def test_a_link_that_is_called_a_dummy_link_has_chosen_numbers(tmp_path: Path, comment: str, message: str) -> None:
+    text = make_chain(inertial(0.014, 0.001) + visual(box("0.03 0.03 0.03")))
+    (finding,) = find(tmp_path, text.replace('<link name="part">', f'{comment}<link name="part">'), "INR007")
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("room", "severity"), [(0, Severity.INFO), (1, Severity.WARNING)])
+def test_a_point_on_a_joint_without_room_marks_a_place(tmp_path: Path, room: float, severity: Severity) -> None:
+    parts = [link("base", inertial(10, 0.5)), link("optical", inertial(0.001, 1.7e-12))]
+    parts.append(joint("j", "base", "optical", limit(0, room, effort=0, velocity=0), kind="revolute"))
+    (finding,) = find(tmp_path, robot(*parts), "INR012")
+    assert (finding.message_id, finding.severity) == ("point", severity)
+
+
+@pytest.mark.parametrize(("name", "found"), [("floor", False), ("wallet", True)])
+def test_a_room_is_scenery(tmp_path: Path, name: str, found: bool) -> None:
+    drawn = inertial(2000, 1) + visual(box("4 4 0.01"))
+    text = robot(link(name, drawn), link("side", drawn), joint("j", name, "side", kind="fixed"))
+    assert bool(find(tmp_path, text, "INR007")) == found
+
+
+@pytest.mark.parametrize(("comment", "severity"), [(STABLE, Severity.INFO), ("", Severity.WARNING)])
+def test_a_vast_spread_with_a_reason_is_an_info(tmp_path: Path, comment: str, severity: Severity) -> None:
+    parts = [link("base", say(inertial(28.5, 1000, izz="4.14"), comment))]
+    for i, place in enumerate(("0.5 0 0", "-0.5 0 0", "0 0.3 0")):
+        parts += [link(f"l{i}", inertial(0.1, 0.001)), joint(f"j{i}", "base", f"l{i}", kind="continuous", xyz=place)]
+    (finding,) = find(tmp_path, robot(*parts), "INR018")
+    assert (finding.message_id, finding.severity) == ("spread", severity)
 
 
 def test_a_comment_of_another_link_gives_no_reason(tmp_path: Path) -> None:

@@ -13,7 +13,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia
 from urdfcheck.facts.mesh.diameter import measure_diameter
 from urdfcheck.model import Model
 from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
@@ -42,6 +42,8 @@ _NEAR = 0.1
 # Products are those of the drawn part, signs included, if they differ by less than this share of their size; below the other
 # share of the largest moment they are none.
 _SAME_PRODUCTS, _NO_PRODUCTS = 0.5, 1e-6
+# A tensor that is so many times the drawn part's, or such a fraction of it, is that of another body, and so is its COM (chosen).
+_OTHER_BODY = 5.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +106,7 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
     drawn, pose, xyz = measure_link_geometry(model, part.link), part.inertial.origin.matrix, part.inertial.origin.xyz
     if drawn is None or pose is None or xyz is None or part.inertial.tensor is None:
         return None
-    if has_unit_ambiguity(model, (part.link.name,)):
+    if has_unit_ambiguity(model, (part.link.name,)) or _has_tensor_of_other_body(part, drawn.solid):
         return None
     repairs = []
     for i, axis in enumerate("xyz"):
@@ -122,6 +124,16 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
             edits = repair.edits if is_enough and not where else ()
             repairs.append(_SignRepair(axis, replace(repair, edits=edits, where=where), advice))
     return repairs[0] if len(repairs) == 1 else None
+
+
+def _has_tensor_of_other_body(part: EnclosedInertial, solid: Solid) -> bool:
+    """Whether no part like the drawn one has the tensor at this mass, so that nothing of the inertial need be the part's. One
+    typed number for all three moments is a placeholder, and says nothing of the COM."""
+    tensor = part.inertial.tensor
+    if tensor is None or float(np.ptp(np.diag(tensor))) == 0.0:
+        return False
+    times = float(np.trace(tensor) / np.trace(compute_solid_inertia(solid, part.mass)))
+    return not 1.0 / _OTHER_BODY <= times <= _OTHER_BODY
 
 
 def _has_drawn_products(declared: DeclaredInertial, uniform: Mat3, axis: int) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -40,6 +41,11 @@ _FEWEST_MASSES = 3
 _ALONG = 0.9
 # The diagonal in m above which a model without moving joints is no object that a robot handles.
 _SCENERY = 10.0
+# With parts of a room by name, above this one (chosen).
+_ROOM, _ROOM_NAME = (
+    3.0,
+    re.compile(r"(?:^|[^a-z])(?:floor|wall|ceiling|room|building|corridor)s?(?![a-z])", re.IGNORECASE),
+)
 # A link of at most this mass in kg that nothing is fixed to is the marker of a point. So small a moment in kg m² was chosen for
 # it: it keeps an engine stable, and the rotor of the smallest drive has more.
 _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
@@ -157,7 +163,8 @@ def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
     if any(joint.is_movable for joint in model.joints):
         return False
     boxes = [compute_bounding_box(model, [(s, np.eye(4))]) for name in body.links for s in _list_shapes(model, name)]
-    return any(box is not None and float(np.linalg.norm(box[1] - box[0])) > _SCENERY for box in boxes)
+    least = _ROOM if any(map(_ROOM_NAME.search, body.links)) else _SCENERY
+    return any(box is not None and float(np.linalg.norm(box[1] - box[0])) > least for box in boxes)
 
 
 def _list_shapes(model: Model, name: str) -> Sequence[Shape]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.inertials.engine_floors import MUJOCO_REFUSAL, is_refused_by_mujoco
 from urdfcheck.facts.inertials.materials import guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
@@ -20,6 +20,7 @@ REFUSED = "refuses to compile: mass and inertia of moving bodies must be larger 
 # What is left out where a tensor is converted once too often, as powers of ten, and the moments of a part with a motor in it, to
 # those of its uniform solid.
 _POWERS, _LIKE_TENSOR = (3, 6, 9), 2.0
+_HELD = "loads it: the limits of its joint leave no room to move"
 _TOGETHER = (
     "compute mass and tensor together, in kg and kg·m²; a link that only marks a place needs neither on a fixed joint"
 )
@@ -51,12 +52,24 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
             continue  # INR003, INR004
         elif math.sqrt(largest / total) < gyration:
             data |= {"radius": math.sqrt(largest / total) * 1e6, **_explain_point(model, body, heaviest.link)}
-            yield rule.finding("point", at=declared_tensor, consequences=consequences, **data)
+            severity = None
+            if _is_held_mark(model, body):
+                severity, consequences = Severity.INFO, {**consequences, "gazebo": _HELD}
+            yield rule.finding("point", at=declared_tensor, severity=severity, consequences=consequences, **data)
         elif smallest < condition * largest:
             consequences = {} if consequences["mujoco"] == "loads it" else consequences
             yield rule.finding(
                 "condition", at=declared_tensor, consequences=consequences, ratio=smallest / largest, **data
             )
+
+
+def _is_held_mark(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a body marks a place, on a joint whose limits leave no room, as Gazebo's models have it to keep a frame apart."""
+    from urdfcheck.model.inertials.habits.minor_findings import has_room, is_lost
+
+    joint = model.pieces.parent_joint.get(body.links[0])
+    held = joint is not None and not has_room(joint)
+    return held and all(is_lost(model, model.link_by_name[name]) for name in body.links if name in model.mass_by_name)
 
 
 def _guess_unit(model: Model, link: Link, mass: float) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
@@ -108,9 +109,18 @@ def check(model: Model, rule: Rule, *, own: float, share: float, whole: float, i
         # The robot that includes a part may be longer than it.
         for links, severity in ((grave, Severity.ERROR), ([] if model.source.is_part else odd, None)):
             if links:
-                yield _build_finding(
+                finding = _build_finding(
                     model, rule, message, links, unit=unit, reach=reach, severity=severity, is_most=is_most
                 )
+                is_chosen = message == "spread" and severity is None and _are_chosen(model, links)
+                yield replace(finding, severity=Severity.INFO) if is_chosen else finding
+
+
+def _are_chosen(model: Model, links: Sequence[_FarLink]) -> bool:
+    """Whether a comment beside the numbers of each link gives a reason for them, such as a model that would be unstable."""
+    from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
+
+    return all(has_stated_purpose(model, far.link) for far in links)
 
 
 def _measure_lengths(declared: CompleteInertial) -> tuple[float, float, float] | None:

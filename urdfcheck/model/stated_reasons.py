@@ -15,6 +15,8 @@ _COMMENT_BEFORE = re.compile(r"<!--((?:(?!-->).)*)-->\s*\Z", re.DOTALL)
 _COMMENT_BEHIND = re.compile(r"[^\r\n<]*<!--(.*?)-->", re.DOTALL)
 # How far before an element its comment begins, at most (characters).
 _REACH = 600
+# A link that stands for no part. Dummy numbers are another matter.
+_DUMMY_LINK = re.compile(r"\bdummy[ -](?:link|body|frame)s?\b", re.IGNORECASE)
 # Words that give a reason for the numbers. That they are dummies is none, for they may still have to be replaced; nor is that an
 # inertial is needed, whatever it says.
 _REASON = re.compile(
@@ -44,6 +46,16 @@ def has_stated_reason(model: Model, element: Element) -> bool:
     comments = _COMMENT.findall(file.text, span.start, end)
     before = _COMMENT_BEFORE.search(file.text[max(0, span.start - _REACH) : span.start])
     return any(map(_REASON.search, comments if before is None else [*comments, before[1]]))
+
+
+def is_called_dummy(model: Model, link: Element) -> bool:
+    """Whether a comment right before a link says that it is a dummy link: a frame that a program wants as a body."""
+    span = link.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None:
+        return False
+    before = _COMMENT_BEFORE.search(file.text[max(0, span.start - _REACH) : span.start])
+    return before is not None and _DUMMY_LINK.search(before[1]) is not None
 
 
 def has_reason_above_macro(model: Model, element: Element) -> bool:

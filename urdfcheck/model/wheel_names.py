@@ -16,6 +16,8 @@ WHEEL_CARRIER_NAME = re.compile(
 CASTER_NAME = re.compile(r"cast[eo]r", re.IGNORECASE)
 # Wheels that turn freely, or are not wheels of a vehicle, or do not touch the ground.
 NOT_DRIVEN_NAME = re.compile(r"caster|castor|roller|steer|swivel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+# Wheels inside a track: the track stands on the ground, and its sprockets are often above it on purpose.
+TRACK_NAME = re.compile(r"sprocket", re.IGNORECASE)
 # Parts that turn freely by their names: no motor and no encoder has their zero.
 PASSIVE_NAME = re.compile(r"passive|idler?(?![a-z])|roller", re.IGNORECASE)
 

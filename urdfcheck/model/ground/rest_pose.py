@@ -10,11 +10,11 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.ground.wheel_pair import find_lone_wheel_pair
 from urdfcheck.model.ground.wheel_plane import find_uneven_wheels
-from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, rolling_wheels
+from urdfcheck.model.ground.wheels import Wheel, is_on_vertical_slide, is_suspended, list_round_parts, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import ROUND_CORNERS
-from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME
+from urdfcheck.model.wheel_names import CASTER_NAME, NOT_DRIVEN_NAME, TRACK_NAME
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
@@ -53,7 +53,8 @@ class RestPose:
 def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None:
     """Find how a robot on two or more driven wheels and what else carries it rests, with rigid parts and joints at zero.
 
-    None where that is not decided: a wheel or a caster is suspended, a wheel carries rollers that turn by themselves, has its
+    None where that is not decided: a wheel drives a track, which carries the robot, a round part that may be a wheel is as low as
+    the wheels, a wheel or a caster is suspended, a wheel carries rollers that turn by themselves, has its
     shape beside its axle, all are hubs of larger parts, wheels of the robot differ among themselves (SYM006, SYM008), or it does
     not stand on wheels and casters alone.
 
@@ -64,9 +65,13 @@ def find_rest_pose(model: Model, spread: float, least: float) -> RestPose | None
     driven = tuple(wheel for wheel in wheels.values() if not is_caster_joint(wheel.joint))
     if len(driven) < 2 or model.tree.root in GROUND_NAMES or any(is_suspended(model, name) for name in wheels):
         return None
+    if any(TRACK_NAME.search(f"{wheel.joint.name} {name}") for name, wheel in wheels.items()):
+        return None
     if any(carries_rollers(model, name) for name in wheels):
         return None
     tolerance = max(spread * min(wheel.radius for wheel in driven), least)
+    if _may_stand_on_others(model, wheels, tolerance):
+        return None
     if _are_uneven(model, tolerance):
         return None
 
@@ -165,6 +170,12 @@ def _are_uneven(model: Model, tolerance: float) -> bool:
     if pair is not None:
         return abs(float(pair.left.contact[2] - pair.right.contact[2])) > tolerance
     return find_uneven_wheels(model, rel_tol=0.01, abs_tol=1e-4) is not None
+
+
+def _may_stand_on_others(model: Model, wheels: Mapping[str, Wheel], tolerance: float) -> bool:
+    """Whether a round part that turns, and is not known to be a wheel, reaches as low as the lowest of the wheels."""
+    ground = min(wheel.bottom for wheel in wheels.values()) + tolerance
+    return any(part.joint.child not in wheels and part.bottom <= ground for part in list_round_parts(model))
 
 
 def carries_rollers(model: Model, wheel: str) -> bool:

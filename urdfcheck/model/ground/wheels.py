@@ -28,6 +28,8 @@ _TILTED = 0.26
 _NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 # Wheels of radii that differ by more are not one pair; nor are wheels less than this share of whose distance is along the axle.
 _ONE_SIZE, _BESIDE = 1.5, 0.7
+# Copies of one wheel have its radius and width within this share, and its height within this share of the radius.
+_SAME_SIZE, _SAME_HEIGHT = 0.01, 0.1
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -87,23 +89,35 @@ def find_driven_wheels(model: Model) -> tuple[DrivenWheel, ...]:
 def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
     """Find all wheels that can stand on the ground, driven, steered or free.
 
-    A wheel is the child of a continuous joint with a level axis, or nearly, drawn round about it; its name says wheel or
-    caster, or it reaches as low as anything of the robot, or it is one of the only two such parts, beside each other on one body.
+    A wheel is the child of a continuous joint with a level axis, or nearly, drawn round about it; its name, or that of a like
+    part on the same link, says wheel or caster, or it reaches as low as anything of the robot, or it is one of the only two such
+    parts, beside each other on one body.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    wheels = [wheel for joint in model.joints if (wheel := _measure_wheel(model, joint)) is not None]
+    wheels = list_round_parts(model)
     named = [
         wheel
         for wheel in wheels
         if WHEEL_NAME.search(_join_joint_names(wheel.joint)) or CASTER_NAME.search(_join_joint_names(wheel.joint))
     ]
+    # One of several like wheels may have another name: what is as large, and turns about a parallel axis, is one as well.
+    named = [wheel for wheel in wheels if any(_is_like(wheel, other) for other in named)]
     # A mesh that was not read may reach lower than all that is known.
     if len(named) == len(wheels) or not all(has_known_shapes(model, link) for link in model.links):
         return tuple(named)
     ground = min(find_lowest_z(model, link) for link in model.links)
     reach = 1.0 if _are_lone_pair(model, wheels) else 0.1
     return tuple(wheel for wheel in wheels if wheel in named or wheel.bottom - ground < reach * wheel.radius)
+
+
+@fact
+def list_round_parts(model: Model) -> tuple[Wheel, ...]:
+    """List the children of continuous joints with level axes, or nearly, that are drawn round about them, wheels or not.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    return tuple(wheel for joint in model.joints if (wheel := _measure_wheel(model, joint)) is not None)
 
 
 def are_beside_each_other(one: Wheel, other: Wheel) -> bool:
@@ -119,6 +133,17 @@ def is_carried_by_one_body(model: Model, wheels: Sequence[Wheel]) -> bool:
     """Whether no joint that moves, such as a suspension, is between the wheels."""
     bodies = {model.tree.list_body_links(wheel.joint.parent)[0] for wheel in wheels}
     return len(bodies) == 1 and not any(is_suspended(model, wheel.joint.child) for wheel in wheels)
+
+
+def _is_like(one: Wheel, other: Wheel) -> bool:
+    """Whether one is the other, or a part of its size on the same link, at its height and with a parallel axis."""
+    if one is other:
+        return True
+    sizes = ((one.radius, other.radius), (one.width, other.width))
+    is_one_size = all(abs(a - b) <= _SAME_SIZE * min(a, b) for a, b in sizes)
+    is_level = abs(one.bottom - other.bottom) <= _SAME_HEIGHT * one.radius
+    is_parallel = abs(float(one.axis @ other.axis)) > 1 - LEVEL**2 / 2
+    return is_one_size and is_level and is_parallel and one.joint.parent == other.joint.parent
 
 
 def _are_lone_pair(model: Model, wheels: Sequence[Wheel]) -> bool:

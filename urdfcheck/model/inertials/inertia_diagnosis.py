@@ -37,7 +37,7 @@ from urdfcheck.model.likeness.declared_inertials import read_declared_inertial
 from urdfcheck.model.meshes import MEASURING_MODULES
 from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.robot import Model
-from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings
+from urdfcheck.model.shapes.repeated_drawings import find_repeated_drawings, find_stand_in_drawings
 from urdfcheck.system.installation import compute_code_version
 
 # The modules and packages that decide a verdict, besides the numbers and the drawing.
@@ -70,14 +70,15 @@ class DiagnosedInertial:
 @fact
 def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     """Diagnose every link that has a mass and a tensor, and draws something or has a twin; by name. Not those that draw one thing
-    in one place, which is not the part.
+    in one place, or one primitive in place of many parts, which is not the part.
 
     A link whose numbers and drawing are those of an earlier run is not diagnosed again.
     """
+    unknown = find_repeated_drawings(model) | find_stand_in_drawings(model)
     numbers = {
         name: declared
         for name, link in model.link_by_name.items()
-        if name not in find_repeated_drawings(model) and (declared := read_declared_inertial(link)) is not None
+        if name not in unknown and (declared := read_declared_inertial(link)) is not None
     }
     # An editor asks for a part of the tiers and for all in turns, and with meshes other verdicts are needed than without.
     text = f"{model.source.path}\0{model.name}\0{model.tier}\0{compute_code_version(*_CODE_MODULES)}"

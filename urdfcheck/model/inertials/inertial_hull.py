@@ -16,6 +16,7 @@ from urdfcheck.model.parts import Inertial, Link, has_drawn_shape, is_dummy_shap
 from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_body_corners
+from urdfcheck.model.shapes.repeated_drawings import find_stand_in_drawings
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, has_up_axis_ambiguity
 
 if TYPE_CHECKING:
@@ -90,7 +91,7 @@ def _generate_enclosed_inertials(model: Model) -> Iterator[EnclosedInertial]:
             inertial = link.inertial
             if name not in shares or inertial is None or inertial.mass is None or inertial.tensor_in_link is None:
                 continue
-            if is_massless_frame(link):
+            if is_massless_frame(link) or name in find_stand_in_drawings(model):
                 continue
             pose = inertial.origin.matrix
             if pose is None:

@@ -20,6 +20,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.declared_inertials import read_declared_inertial, turn_inertial
 from urdfcheck.model.parts import TENSOR_NAMES, Inertial, Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.repeated_drawings import find_stand_in_drawings
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME
 
@@ -101,7 +102,8 @@ def part_copies(model: Model) -> tuple[tuple[PartCopy, ...], ...]:
     for name in tree.order[1:]:
         link, joint = model.link_by_name[name], tree.parent_joint[name]
         part = _make_part_copy(model, link)
-        if part is not None and (joint.is_movable or _has_mesh(part[0])):
+        is_known = part is not None and name not in find_stand_in_drawings(model)
+        if part is not None and is_known and (joint.is_movable or _has_mesh(part[0])):
             copy, content, arranged = part
             depth = sum(j.is_movable for j in tree.find_path_to(name))
             groups_of_kind = kinds.setdefault(

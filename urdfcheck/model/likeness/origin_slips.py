@@ -298,7 +298,11 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
 
 def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
     """Whether the links of two joints, whose origins differ in the signs of two coordinates, draw one part in two poses, half a
-    turn apart, and neither mirrored in one of the two nor as it is. Where the drawings are not known, their inertials show it."""
+    turn apart, and not mirrored in one of the two. Where the drawings are not known, their inertials show it.
+
+    A part that half a turn leaves as it is fits too: two such parts side by side have half a turn between them. So have two
+    slides that pass each other, even where a mirror leaves the part as it is.
+    """
     frames = one.origin.matrix, other.origin.matrix
     if frames[0] is None or frames[1] is None:
         return False
@@ -309,8 +313,22 @@ def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
         flip = np.eye(3)
         flip[axes, axes] = -1.0
         mismatches.append(_measure_mismatch(model, one, other, frames[1][:3, :3].T @ flip @ frames[0][:3, :3]))
-    turned, *others = mismatches
-    return turned <= ALIKE and min(others) > DIFFERENT
+    turned, *mirrored, same = mismatches
+    if turned > ALIKE or ALIKE < same <= DIFFERENT:
+        return False
+    return min(mirrored) > DIFFERENT or (same <= ALIKE and _pass_each_other(one, other, [*flipped]))
+
+
+def _pass_each_other(one: Joint, other: Joint, flipped: Sequence[int]) -> bool:
+    """Whether two slides move along one of two coordinates of their parent, and are apart in the other."""
+    directions = []
+    for joint in (one, other):
+        frame = joint.origin.matrix
+        if joint.type != "prismatic" or joint.axis is None or frame is None:
+            return False
+        directions.append(np.abs(frame[:3, :3] @ joint.axis))
+    along = {int(direction.argmax()) for direction in directions if direction.max() > 1 - _PARALLEL}
+    return len(along) == 1 and len(directions) == 2 and along <= set(flipped)
 
 
 def _measure_mismatch(model: Model, one: Joint, other: Joint, linear: Array) -> float:

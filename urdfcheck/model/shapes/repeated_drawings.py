@@ -1,4 +1,5 @@
-"""Links that draw one and the same thing in one place, such as the whole robot: then the drawing is not that of each link."""
+"""Links that draw one and the same thing in one place, such as the whole robot, or one primitive in place of many parts: then the
+drawing is not that of each link."""
 
 from __future__ import annotations
 
@@ -8,9 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.inertia_tensor import Solid, transform_solid
+from urdfcheck.facts.inertials.inertia_tensor import (
+    Solid,
+    compute_principal_moments,
+    compute_solid_inertia,
+    transform_solid,
+)
 from urdfcheck.model.fact import fact
-from urdfcheck.model.parts import Link, is_dummy_shape
+from urdfcheck.model.parts import DeclaredTensor, Link, is_dummy_shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_role_geometry
 
@@ -23,6 +29,9 @@ _FEWEST_BODIES = 3
 _SAME = 1e-3
 # Two drawings overlap if the boxes around them do by this share of their length along each axis.
 _OVERLAP = 0.1
+# A primitive stands for the parts of a robot where so many links draw it with inertials of so many bodies, of which the heaviest
+# is so many times the lightest; these are far from the primitive's own where a moment is off by more than this share (chosen).
+_MANY_LINKS, _MANY_BODIES, _HEAVIER, _OWN = 8, 4, 3.0, 0.25
 
 
 @fact
@@ -43,6 +52,38 @@ def find_repeated_drawings(model: Model) -> frozenset[str]:
             except FactUnavailableError:  # a broken tree, or an origin that is malformed
                 return frozenset()
     return frozenset(found)
+
+
+@fact
+def find_stand_in_drawings(model: Model) -> frozenset[str]:
+    """Find the links that draw one and the same primitive in place of their parts, as where all meshes are commented out: one
+    size and place, with the inertials of many bodies, none of which is that of the primitive."""
+    groups: dict[object, list[DeclaredTensor]] = {}
+    for tensor in model.tensors:
+        shapes = tensor.link.visuals
+        if len(shapes) != 1 or shapes[0].kind == "mesh" or is_dummy_shape(shapes[0]) or not tensor.inertial.mass:
+            continue
+        origin = shapes[0].origin
+        place = tuple(origin.xyz or (0.0, 0.0, 0.0)), tuple(origin.rpy or (0.0, 0.0, 0.0))
+        groups.setdefault((shapes[0].kind, shapes[0].size, place), []).append(tensor)
+    found: set[str] = set()
+    for group in groups.values():
+        masses = [tensor.inertial.mass or 0.0 for tensor in group]
+        if len(group) < _MANY_LINKS or not max(masses) >= _HEAVIER * min(masses) > 0.0:
+            continue
+        bodies = {f"{mass:.3g} {sum(one.moments):.3g}" for mass, one in zip(masses, group, strict=True)}
+        if len(bodies) >= _MANY_BODIES and not any(_has_moments_of_drawing(model, tensor) for tensor in group):
+            found.update(tensor.link.name for tensor in group)
+    return frozenset(found)
+
+
+def _has_moments_of_drawing(model: Model, tensor: DeclaredTensor) -> bool:
+    """Whether the principal moments of a link are those of what it draws, at its mass."""
+    drawn = measure_role_geometry(model, tensor.link, "visual")
+    if drawn is None:
+        return False
+    own = compute_principal_moments(compute_solid_inertia(drawn.solid, tensor.inertial.mass or 0.0))[0]
+    return bool((np.abs(np.array(tensor.moments) - own) <= _OWN * own).all())
 
 
 def list_links_drawn_there(model: Model, link: Link) -> list[Link]:

@@ -27,6 +27,8 @@ _SAME_PLACE, _FARTHER = 0.005, 20.0
 _MUCH_FARTHER = 5.0
 # Mistakes of the COM that fit some COM by chance; the COM of another part, of which nothing is known, included.
 _OF_COM = frozenset({None, "com_unit", "decimal_point"})
+# Mistakes of place and direction that look like half a turn of a mesh: they flip one coordinate, or permute them.
+_OF_DIRECTION = frozenset({"unmirrored", "axes_permuted", "quarter_turn", "rpy_missing", "rpy_twice"})
 
 
 def name_mesh_frames(
@@ -41,7 +43,7 @@ def name_mesh_frames(
 
 def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> Diagnosis:
     is_sign = diagnosis.cause == "one_sign" and diagnosis.detail.startswith("com ")
-    is_of_com = diagnosis.cause in _OF_COM or is_sign
+    is_of_com = diagnosis.cause in _OF_COM | _OF_DIRECTION or is_sign
     if diagnosis.sound or not is_of_com or diagnosis.judged_by != "mesh" or not declared.com.any():
         return diagnosis
     pose = _get_common_origin(link)
@@ -62,6 +64,9 @@ def _find_in_mesh_frame(model: Model, link: Link, declared: DeclaredInertial, di
     moved = turned if in_mesh < min(as_typed, PLACED) else moved
     left, before = (float(np.linalg.norm(one.com - solid.com)) for one in (moved, declared))
     if left > _SAME_PLACE * measure_extent(drawn.points) or before < _FARTHER * left:
+        return diagnosis
+    # Half a turn of a part with a plane of symmetry looks mirrored: the origin in the file shows which of the two it is.
+    if diagnosis.cause in _OF_DIRECTION and (moved is not turned or in_mesh > PLACED):
         return diagnosis
     ruled_out = tuple(cause for cause in diagnosis.ruled_out if cause not in _OF_COM)
     return replace(diagnosis, ruled_out=ruled_out).name_cause("mesh_frame", moved, solid, unique=False)

@@ -12,6 +12,7 @@ from urdfcheck.model.stated_reasons import (
     has_reason_at_definition,
     has_reason_behind,
     has_stated_reason,
+    is_called_dummy,
 )
 
 # Words that say that a number is chosen. That it is a dummy's does not, for it may still have to be replaced.
@@ -21,7 +22,7 @@ _TINY_SHARE = 1e-3
 
 
 def has_stated_purpose(model: Model, link: Link) -> bool:
-    """Whether a comment says why the numbers of a link are what they are, or it is called negligible.
+    """Whether a comment says why the numbers of a link are what they are, or it is called negligible or a dummy.
 
     The comment is where the numbers were typed: in the ``<inertial>``, right before it or before the macro that makes it,
     behind the number of the mass, or above the properties that mass and tensor are computed from.
@@ -29,7 +30,9 @@ def has_stated_purpose(model: Model, link: Link) -> bool:
     inertial = link.inertial
     if inertial is None:
         return False
-    if is_called_negligible(model, link) or has_stated_reason(model, inertial.element):
+    if is_called_negligible(model, link) or is_called_dummy(model, link.element):
+        return True
+    if has_stated_reason(model, inertial.element):
         return True
     mass, tensor = inertial.mass_attribute, inertial.tensor_element
     if (mass is not None and has_reason_behind(model, mass)) or has_reason_above_macro(model, inertial.element):

@@ -21,7 +21,12 @@ from urdfcheck.model.inertials.proposals.slip_repairs import (
     propose_slipped_moment,
 )
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal, is_possible_tensor
-from urdfcheck.model.inertials.proposals.tensor_sizes import has_drawn_moment, is_unlike_drawn, propose_other_size
+from urdfcheck.model.inertials.proposals.tensor_sizes import (
+    describe_spread_beyond_robot,
+    has_drawn_moment,
+    is_unlike_drawn,
+    propose_other_size,
+)
 from urdfcheck.model.inertials.proposals.undone_mistakes import propose_undo
 from urdfcheck.model.inertials.proposals.zero_moments import describe_zero_moments, has_bare_zeros, has_lost_moment
 from urdfcheck.model.parts import Link
@@ -48,7 +53,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
     number in which a link of the same mass and shape, or the one on the other side, differs; other signs of the products; where
     little is missing, or the digits are too few, the nearest tensor that a body can have, about the author's own COM, unless the
-    drawn part's is far from it. Only then the inertia of the drawn part.
+    drawn part's is far from it, or the robot is shorter than such a body. Only then the inertia of the drawn part.
     """
     declared = model.tensor_by_name.get(link.name)
     if declared is None:
@@ -80,6 +85,8 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     other_size = propose_other_size(model, declared)
     if other_size is not None:
         return other_size
+    if far := describe_spread_beyond_robot(model, declared):
+        return InertialProposal(message=far)
     change = find_nearest_tensor(declared.components)[1]
     is_near = (
         change < _LARGEST_CHANGE and not is_unlike_drawn(model, declared) and not has_drawn_moment(model, declared)

@@ -7,10 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from urdfcheck.core import FactUnavailableError
+from urdfcheck.core.text import format_length
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
 from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor, propose_drawn_inertial
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
+from urdfcheck.model.inertials.reach import measure_reach
 from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
@@ -30,6 +33,8 @@ _THICKER = 10.0
 _LINE = 1e-2
 # Why collision shapes replace a visual mesh in what is said to be drawn.
 _STANDS_IN = frozenset({"open", "unread", "wrong size"})
+# A tensor is that of no part of the robot where it needs a body so many times as long as the robot stretched out (chosen).
+_BEYOND = 1.5
 # Three digits of a moment, as most are typed.
 _SAME_MOMENT = 5e-3
 
@@ -47,6 +52,27 @@ def propose_other_size(model: Model, declared: DeclaredTensor) -> InertialPropos
         f"; for this mass the moments are {times} times the {part}'s, and at least {least} times what its size allows"
     )
     return replace(propose_drawn_inertial(model, declared.link, claim), oversize=times)
+
+
+def describe_spread_beyond_robot(model: Model, declared: DeclaredTensor) -> str:
+    """Say that the tensor is one of a longer body than the robot, whatever the link draws; empty where it is not.
+
+    The robot spans what its joints and known shapes do: a mesh that was not read hardly makes it longer.
+    """
+    mass = declared.inertial.mass
+    try:
+        reach = measure_reach(model, with_shapes=True, with_unread=False)
+    except FactUnavailableError:
+        return ""
+    if reach is None or mass is None or not mass > 0.0:
+        return ""
+    # The second moment along an axis is half the sum of the moments, less the one about it.
+    spread = max(0.0, sum(declared.moments) / 2.0 - declared.moments[0]) / mass
+    span = 2.0 * spread**0.5  # no shorter body has such a spread
+    if not span > _BEYOND * reach:
+        return ""
+    body = f"a body at least {format_length(span)} long"
+    return f"; with {mass:.3g} kg they are those of {body}, and the robot spans {format_length(reach)}"
 
 
 def is_unlike_drawn(model: Model, declared: DeclaredTensor) -> bool:
