@@ -211,3 +211,27 @@ def test_the_rims_of_holes_are_drawn(tmp_path: Path):
     )
     # One triangle is missing: two edges of a square, and the diagonal.
     assert sorted(np.linalg.norm(holes[:, 1] - holes[:, 0], axis=1)) == pytest.approx([1.0, 1.0, 2**0.5], rel=1e-3)
+
+
+def write_slab(folder: Path, unit: float) -> Path:
+    """A slab of 0.1 x 0.2 x 0.4 m, 0.5 m above its frame, in a COLLADA file of this unit."""
+    slab = trimesh.creation.box((0.1 / unit, 0.2 / unit, 0.4 / unit))
+    slab.apply_translation((0.0, 0.0, 0.5 / unit))
+    text = trimesh.exchange.dae.export_collada(slab).decode()
+    path = folder / "slab.dae"
+    path.write_text(text.replace("<up_axis>Y_UP", f'<unit name="u" meter="{unit}"/><up_axis>Z_UP'))
+    return path
+
+
+@pytest.mark.parametrize("unit", [0.001, 0.0254, 1.0])
+def test_the_solid_of_a_link_has_the_unit_of_its_mesh(tmp_path, unit):
+    write_slab(tmp_path, unit)
+    typed = """<robot name="r"><link name="a">
+      <inertial><origin xyz="0 0 1"/><mass value="8"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+      <visual><geometry><mesh filename="slab.dae" scale="2 1 1"/></geometry></visual></link></robot>"""
+    (scene,) = check_text(tmp_path, typed, scene=True).scenes
+    (link,) = scene.links
+    assert link.density == pytest.approx(8 / (0.2 * 0.2 * 0.4), rel=1e-5)
+    assert link.drawn_com == pytest.approx((0.0, 0.0, 0.5), abs=1e-6)
+    moments = [8 / 12 * (0.2**2 + 0.2**2), 8 / 12 * (0.2**2 + 0.4**2), 8 / 12 * (0.2**2 + 0.4**2)]
+    assert link.drawn_moments == pytest.approx(moments, rel=1e-5)
