@@ -235,3 +235,17 @@ def test_the_solid_of_a_link_has_the_unit_of_its_mesh(tmp_path, unit):
     assert link.drawn_com == pytest.approx((0.0, 0.0, 0.5), abs=1e-6)
     moments = [8 / 12 * (0.2**2 + 0.2**2), 8 / 12 * (0.2**2 + 0.4**2), 8 / 12 * (0.2**2 + 0.4**2)]
     assert link.drawn_moments == pytest.approx(moments, rel=1e-5)
+
+
+def test_links_have_the_place_where_limits_and_mimics_put_them(arm, car):
+    (scene,) = arm.scenes
+    rod, tip = (np.array(link.start).reshape(4, 4) for link in scene.links[1:])
+    shoulder, wrist = scene.joints
+    expected = np.array(shoulder.pose).reshape(4, 4) @ move(shoulder.turn, 0.5)
+    assert rod == pytest.approx(expected)
+    assert tip == pytest.approx(expected @ np.array(wrist.pose).reshape(4, 4) @ move((0, 0, 1), -2 * 0.5 + 0.1))
+    assert {link.start for link in car.scenes[0].links} == {None}, "all of its joints are at zero"
+
+
+def move(axis: tuple[float, ...], angle: float) -> np.ndarray:
+    return trimesh.transformations.rotation_matrix(angle, axis)

@@ -106,6 +106,9 @@ class SceneLink:
     """Pose in root coordinates with all joints at zero."""
     shapes: tuple[SceneShape, ...]
     span: Span | None
+    start: tuple[float, ...] | None = None
+    """Pose in root coordinates with every joint at its start and followers where ``<mimic>`` puts them, as the report draws the
+    robot; None where that is ``world``."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

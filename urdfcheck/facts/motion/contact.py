@@ -101,8 +101,9 @@ def compute_ground_support(
 
 
 def _is_on_sole(flat: Array, rises: Array, owners: Indices, *, rounding: float, slope: float) -> Array:
-    """Return which of the points ``flat`` (n, 2) a tilt by ``slope`` about the nearest of the lowest points of their part makes as
-    low. ``rises`` (n,): how far they are above these."""
+    """Return which of the points ``flat`` (n, 2) a tilt by ``slope`` about the nearest of their part's lowest points makes as low.
+
+    ``rises`` (n,): how far they are above these."""
     is_touching: Array = rises <= rounding
     is_lowest = is_touching.copy()
     for part in sorted(set(owners[~is_lowest].tolist())):
