@@ -74,7 +74,7 @@ def test_the_whole_robot_has_the_place_that_it_has_as_it_is_drawn() -> None:
     follower = make_joint("j", "a", "b", mimic=("i", 1.0, 0.5))
     *_, (name, _, _, *place, _) = rows(render_physics_table(scene(links=links, joints=(follower,)), {}))
     assert place == ["550.000", "50.000", "0"]
-    assert name == "All togetherbase frame, as drawn: joints at zero, followers as <mimic> says"
+    assert name == "All togetherbase frame, as drawn: joints at zero, followers where <mimic> puts them"
 
 
 @pytest.mark.parametrize("changes", [{"world": None}, {"inertial": make_inertia(com=())}])

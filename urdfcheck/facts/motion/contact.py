@@ -101,7 +101,7 @@ def compute_ground_support(
 
 
 def _is_on_sole(flat: Array, rises: Array, owners: Indices, *, rounding: float, slope: float) -> Array:
-    """Return which of the points ``flat`` (n, 2) a tilt by ``slope`` about the nearest of their part's lowest points makes as low.
+    """Return which points ``flat`` (n, 2) a tilt by ``slope`` about the nearest of their part's lowest points makes as low.
 
     ``rises`` (n,): how far they are above these."""
     is_touching: Array = rises <= rounding

@@ -109,7 +109,7 @@ def _describe_pose(scene: Scene) -> str:
     if not any(link.start for link in scene.links):
         return "joints at zero"
     clamped = ", or at the limit next to it" if list_clamped_joints(scene) else ""
-    return f"as drawn: joints at zero{clamped}{', followers as &lt;mimic&gt; says' if _has_followers(scene) else ''}"
+    return f"as drawn: joints at zero{clamped}{', followers where &lt;mimic&gt; puts them' if _has_followers(scene) else ''}"
 
 
 def _has_followers(scene: Scene) -> bool:
