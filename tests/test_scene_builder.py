@@ -237,6 +237,18 @@ def test_the_solid_of_a_link_has_the_unit_of_its_mesh(tmp_path, unit):
     assert link.drawn_moments == pytest.approx(moments, rel=1e-5)
 
 
+def test_meshes_that_are_not_drawn_are_named(tmp_path, car):
+    (tmp_path / "empty.stl").write_bytes(b"")
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "box.stl")
+    shapes = "".join(
+        f'<visual><geometry><mesh filename="{n}.stl"/></geometry></visual>' for n in ("empty", "gone", "box")
+    )
+    data, _ = data_of(check_text(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', scene=True))
+    said = "2 of 3 mesh files are missing or were not read, and not drawn: empty.stl, gone.stl"
+    assert data["models"][0]["undrawn"] == said
+    assert not data_of(car)[0]["models"][0]["undrawn"]
+
+
 def test_links_have_the_place_where_limits_and_mimics_put_them(arm, car):
     (scene,) = arm.scenes
     rod, tip = (np.array(link.start).reshape(4, 4) for link in scene.links[1:])

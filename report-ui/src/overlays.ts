@@ -318,7 +318,8 @@ export class Overlays {
     const ball = placed(new Mesh(glyphs.ball, shared.glyph), scaled(moved(x, y, height), 0.022 * size));
     group.add(ball);
     this.robot.root.add(group);
-    const text = inside ? "COM of the robot" : "COM of the robot, outside its support";
+    const pose = this.robot.startsAtZero ? "" : " with all joints at zero";
+    const text = inside ? `COM of the robot${pose}` : `COM of the robot${pose}, outside its support`;
     return [{ layer: "ground", links: [], object: group, label: { text, object: ball, kind: inside ? "ok" : "error", rank: 3 } }];
   }
 }

@@ -195,7 +195,10 @@ def test_joints_that_are_not_drawn_at_zero_are_named() -> None:
         make_joint("hip", "base", "w2"),
         make_joint("toe", "base", "w3", start=0.1, mimic=("knee", 1.0, 0.0)),
     )
-    assert "is drawn with knee at the limit next to it" in read(render_joints_table(scene(joints=joints), {})).text
+    assert (
+        "Zero is outside the limits of knee: drawn at the limit next to it."
+        in read(render_joints_table(scene(joints=joints), {})).text
+    )
     assert "at the limit" not in render_joints_table(scene(joints=joints[1:]), {})
 
 

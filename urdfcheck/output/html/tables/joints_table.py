@@ -42,7 +42,7 @@ def _render_clamped(scene: Scene) -> str:
         return ""
     more = f" and {len(names) - _MOST_NAMED} more" if len(names) > _MOST_NAMED else ""
     listed = f"{', '.join(names[:_MOST_NAMED])}{more}"
-    return f"<p>Limits exclude zero: the robot is drawn with {listed} at the limit next to it.</p>"
+    return f"<p>Zero is outside the limits of {listed}: drawn at the limit next to it.</p>"
 
 
 @dataclass(frozen=True, slots=True)
