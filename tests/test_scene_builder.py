@@ -261,3 +261,24 @@ def test_links_have_the_place_where_limits_and_mimics_put_them(arm, car):
 
 def move(axis: tuple[float, ...], angle: float) -> np.ndarray:
     return trimesh.transformations.rotation_matrix(angle, axis)
+
+
+@pytest.mark.parametrize(("x", "stands"), [(0.0, True), (0.099, True), (0.101, True), (0.12, False)])
+def test_the_ground_layer_and_the_rule_agree_on_what_stands(tmp_path, x, stands):
+    """The COM is 0.5 m high above four feet, 0.1 m from their edge."""
+    feet = "".join(
+        f"""<link name="leg_{n}"><visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual></link>
+        <link name="hip_{n}"/>
+        <joint name="hip_joint_{n}" type="revolute"><parent link="base"/><child link="hip_{n}"/>
+        <origin xyz="{0.09 * a} {0.09 * b} -0.49"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+        <joint name="knee_joint_{n}" type="revolute"><parent link="hip_{n}"/><child link="leg_{n}"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>"""
+        for n, (a, b) in enumerate([(1, 1), (1, -1), (-1, 1), (-1, -1)])
+    )
+    typed = f"""<robot name="r"><link name="base"><inertial><origin xyz="{x} 0 0"/><mass value="5"/>
+      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+      <visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>{feet}</robot>"""
+    run = check_text(tmp_path, typed, scene=True, codes={"DYN004"})
+    assert run.scenes[0].ground.stands is stands
+    tips = [f for f in (*run.findings, *run.unrequested) if f.message_id == "tips"]
+    assert bool(tips) is not stands

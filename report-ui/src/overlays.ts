@@ -293,7 +293,7 @@ export class Overlays {
     const size = this.robot.size;
     const z = ground.height;
     const [x, y, height] = ground.com;
-    const inside = within([x, y], ground.support);
+    const inside = ground.stands;
     const color = inside ? COLORS.after : COLORS.broken;
     const corners = ground.support.map(([cx, cy]) => new Vector3(cx, cy, z + 0.001 * size));
     if (corners.length >= 2) {
@@ -361,12 +361,3 @@ const overlapMaterial = mark(COLORS.overlap);
 const overlapGlyph = tubes(
   [-1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, ...boxEdges([0.7, 0.7, 0.7])], 0.09,
 );
-
-function within([x, y]: number[], polygon: number[][]): boolean {
-  let inside = false;
-  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
-    const [xi, yi] = polygon[i], [xj, yj] = polygon[j];
-    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) inside = !inside;
-  }
-  return inside;
-}

@@ -164,6 +164,8 @@ class SceneGround:
     """Corners of the support polygon in order."""
     com: tuple[float, ...]
     """COM of the whole robot."""
+    stands: bool = True
+    """Whether the COM is above the polygon, to within the slack that DYN004 allows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

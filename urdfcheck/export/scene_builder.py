@@ -364,7 +364,7 @@ def _build_ground(model: Model) -> SceneGround | None:
         return None
     import numpy as np
 
-    from urdfcheck.facts.motion.contact import compute_ground_support
+    from urdfcheck.facts.motion.contact import SLACK, compute_ground_support
     from urdfcheck.model.ground.support_polygon import (
         collect_robot_corners,
         compute_contact_points,
@@ -391,6 +391,7 @@ def _build_ground(model: Model) -> SceneGround | None:
         ),
         support=tuple(tuple(map(float, corner)) for corner in support.polygon),
         com=tuple(map(float, com)),
+        stands=support.tip_angle >= -SLACK,
     )
 
 

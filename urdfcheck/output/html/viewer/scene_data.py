@@ -127,6 +127,7 @@ def build_model(
             "contacts": [{"link": link, "point": round_values(point)} for link, point in ground.contacts],
             "support": [round_values(corner) for corner in ground.support],
             "com": round_values(ground.com),
+            "stands": ground.stands,
         },
         "findings": _build_findings(active, scene),
         "undrawn": _describe_undrawn(scene),
