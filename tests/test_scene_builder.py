@@ -270,7 +270,8 @@ def test_the_ground_layer_and_the_rule_agree_on_what_stands(tmp_path, x, stands)
         f"""<link name="leg_{n}"><visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual></link>
         <link name="hip_{n}"/>
         <joint name="hip_joint_{n}" type="revolute"><parent link="base"/><child link="hip_{n}"/>
-        <origin xyz="{0.09 * a} {0.09 * b} -0.49"/><axis xyz="0 1 0"/><limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+        <origin xyz="{0.09 * a} {0.09 * b} -0.49"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
         <joint name="knee_joint_{n}" type="revolute"><parent link="hip_{n}"/><child link="leg_{n}"/><axis xyz="0 1 0"/>
         <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>"""
         for n, (a, b) in enumerate([(1, 1), (1, -1), (-1, 1), (-1, -1)])

@@ -13,7 +13,7 @@ from urdfcheck.core.records import dataclass
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from urdfcheck.facts.arrays import Array, Indices, Vec3
+    from urdfcheck.facts.arrays import Array, Bools, Indices, Vec3
 
 
 # An invisible tilt, 0.5°: what it brings to the ground counts as touching (a wheel 2 mm high, 0.25 m from the COM).
@@ -100,11 +100,11 @@ def compute_ground_support(
     )
 
 
-def _is_on_sole(flat: Array, rises: Array, owners: Indices, *, rounding: float, slope: float) -> Array:
+def _is_on_sole(flat: Array, rises: Array, owners: Indices, *, rounding: float, slope: float) -> Bools:
     """Return which points ``flat`` (n, 2) a tilt by ``slope`` about the nearest of their part's lowest points makes as low.
 
     ``rises`` (n,): how far they are above these."""
-    is_touching: Array = rises <= rounding
+    is_touching: Bools = rises <= rounding
     is_lowest = is_touching.copy()
     for part in sorted(set(owners[~is_lowest].tolist())):
         others = np.flatnonzero((owners == part) & ~is_lowest)
