@@ -378,3 +378,75 @@ def test_a_pair_that_an_srdf_hides_is_shown_where_it_collides():
     data = {"first": "a", "second": "b", "pose": {"axle": 0.5}}
     found = show("a", "b", "c", code="COL003", subjects=("disable_collisions[1]",), data=data)
     assert (found["links"], found["pose"]) == (["a", "b"], {"axle": 0.5})
+
+
+def write_slab(folder: Path, unit: float) -> Path:
+    """A slab of 0.1 x 0.2 x 0.4 m, 0.5 m above its frame, in a COLLADA file of this unit."""
+    slab = trimesh.creation.box((0.1 / unit, 0.2 / unit, 0.4 / unit))
+    slab.apply_translation((0.0, 0.0, 0.5 / unit))
+    text = trimesh.exchange.dae.export_collada(slab).decode()
+    path = folder / "slab.dae"
+    path.write_text(text.replace("<up_axis>Y_UP", f'<unit name="u" meter="{unit}"/><up_axis>Z_UP'))
+    return path
+
+
+@pytest.mark.parametrize("unit", [0.001, 0.0254, 1.0])
+def test_the_solid_of_a_link_has_the_unit_of_its_mesh(tmp_path, unit):
+    write_slab(tmp_path, unit)
+    typed = """<robot name="r"><link name="a">
+      <inertial><origin xyz="0 0 1"/><mass value="8"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial>
+      <visual><geometry><mesh filename="slab.dae" scale="2 1 1"/></geometry></visual></link></robot>"""
+    (scene,) = check_text(tmp_path, typed, scene=True).scenes
+    (link,) = scene.links
+    assert link.density == pytest.approx(8 / (0.2 * 0.2 * 0.4), rel=1e-5)
+    assert link.drawn_com == pytest.approx((0.0, 0.0, 0.5), abs=1e-6)
+    moments = [8 / 12 * (0.2**2 + 0.2**2), 8 / 12 * (0.2**2 + 0.4**2), 8 / 12 * (0.2**2 + 0.4**2)]
+    assert link.drawn_moments == pytest.approx(moments, rel=1e-5)
+
+
+def test_meshes_that_are_not_drawn_are_named(tmp_path, car):
+    (tmp_path / "empty.stl").write_bytes(b"")
+    trimesh.creation.box((0.1, 0.2, 0.3)).export(tmp_path / "box.stl")
+    shapes = "".join(
+        f'<visual><geometry><mesh filename="{n}.stl"/></geometry></visual>' for n in ("empty", "gone", "box")
+    )
+    data, _ = data_of(check_text(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', scene=True))
+    said = "2 of 3 mesh files are missing or were not read, and not drawn: empty.stl, gone.stl"
+    assert data["models"][0]["undrawn"] == said
+    assert not data_of(car)[0]["models"][0]["undrawn"]
+
+
+def test_links_have_the_place_where_limits_and_mimics_put_them(arm, car):
+    (scene,) = arm.scenes
+    rod, tip = (np.array(link.start).reshape(4, 4) for link in scene.links[1:])
+    shoulder, wrist = scene.joints
+    expected = np.array(shoulder.pose).reshape(4, 4) @ move(shoulder.turn, 0.5)
+    assert rod == pytest.approx(expected)
+    assert tip == pytest.approx(expected @ np.array(wrist.pose).reshape(4, 4) @ move((0, 0, 1), -2 * 0.5 + 0.1))
+    assert {link.start for link in car.scenes[0].links} == {None}, "all of its joints are at zero"
+
+
+def move(axis: tuple[float, ...], angle: float) -> np.ndarray:
+    return trimesh.transformations.rotation_matrix(angle, axis)
+
+
+@pytest.mark.parametrize(("x", "stands"), [(0.0, True), (0.099, True), (0.101, True), (0.12, False)])
+def test_the_ground_layer_and_the_rule_agree_on_what_stands(tmp_path, x, stands):
+    """The COM is 0.5 m high above four feet, 0.1 m from their edge."""
+    feet = "".join(
+        f"""<link name="leg_{n}"><visual><geometry><box size="0.02 0.02 0.02"/></geometry></visual></link>
+        <link name="hip_{n}"/>
+        <joint name="hip_joint_{n}" type="revolute"><parent link="base"/><child link="hip_{n}"/>
+        <origin xyz="{0.09 * a} {0.09 * b} -0.49"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>
+        <joint name="knee_joint_{n}" type="revolute"><parent link="hip_{n}"/><child link="leg_{n}"/><axis xyz="0 1 0"/>
+        <limit lower="-1" upper="1" effort="9" velocity="9"/></joint>"""
+        for n, (a, b) in enumerate([(1, 1), (1, -1), (-1, 1), (-1, -1)])
+    )
+    typed = f"""<robot name="r"><link name="base"><inertial><origin xyz="{x} 0 0"/><mass value="5"/>
+      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
+      <visual><geometry><box size="0.2 0.2 0.1"/></geometry></visual></link>{feet}</robot>"""
+    run = check_text(tmp_path, typed, scene=True, codes={"DYN004"})
+    assert run.scenes[0].ground.stands is stands
+    tips = [f for f in (*run.findings, *run.unrequested) if f.message_id == "tips"]
+    assert bool(tips) is not stands

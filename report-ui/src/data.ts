@@ -86,8 +86,10 @@ export interface ModelData {
   joints: Joint[];
   frames: { parent: string; child: string; at: number[] }[];
   overlaps: { a: string; b: string; points: number[][]; depth: number | null; finding: string | null }[];
-  ground: null | { height: number; contacts: { link: string; point: number[] }[]; support: number[][]; com: number[] };
+  ground: null | { height: number; contacts: { link: string; point: number[] }[]; support: number[][]; com: number[]; stands: boolean };
   findings: Finding[];
+  /** What is not drawn because its mesh is missing or was not read, in words; empty where all is. */
+  undrawn: string;
   /** The version that it is compared with, and the pose of that one's root here: the two may have different roots. */
   before?: ModelData;
   beforeAt?: number[];

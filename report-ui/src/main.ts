@@ -50,6 +50,7 @@ class Viewer {
   private readonly legend: Legend;
   private readonly compare = new Compare(() => this.update());
   private readonly shadow = new Shadow();
+  private readonly note = el("p", { class: "uc-note", role: "status", hidden: true });
   private readonly tip = el("div", { class: "uc-tip", hidden: true });
   private readonly scale = el("span", { class: "uc-scale" });
   private readonly print = el("img", { id: "uc-print", alt: "" });
@@ -91,6 +92,7 @@ class Viewer {
       full: () => void (document.fullscreenElement ? document.exitFullscreen() : section.requestFullscreen()),
       model: (index) => { send("uc:clear", { origin: "viewer" }); this.open(index); },
     });
+    this.bar.append(this.note);
     part("corner").append(this.gizmo.element, this.scale);
     this.legend = new Legend(view.clientWidth);
     view.append(el("div", { class: "uc-foot" }, this.compare.element, this.legend.element), this.tip);
@@ -139,7 +141,7 @@ class Viewer {
       const robot = new Robot(data, this.shapes);
       const versions = data.before ? new Versions(robot, data.before, this.shapes) : null;
       const offered = new Set([...filled(robot, this.shapes), ...(versions?.offered ?? [])]);
-      const layers = new Set<Layer>(offered.has("visual") ? ["visual"] : offered.has("collision") ? ["collision"] : []);
+      const layers = new Set<Layer>(offered.has("visual") ? ["visual"] : offered.has("collision") ? ["collision"] : data.joints.length ? [] : ["frames"]);
       shown = { robot, overlays: new Overlays(robot, this.shapes), repair: new Repair(robot), versions, layers, offered };
       this.known.set(index, shown);
     }
@@ -149,6 +151,8 @@ class Viewer {
     const { data } = this.robot;
     this.stage.fit(this.box, this.robot.ground, this.theme);
     this.scale.textContent = `grid ${this.stage.cell}`;
+    this.note.textContent = data.undrawn;
+    this.note.hidden = !data.undrawn;
     this.stage.canvas.setAttribute(
       "aria-label",
       `${data.name} in 3D. Arrow keys orbit, with Shift they move; plus and minus zoom; h shows the whole robot. The findings say the same in words.`,

@@ -25,7 +25,7 @@ export const TIPS = "#e0263c";
 
 /** Whether the COM of the robot is above its support. */
 export function stands({ ground }: ModelData): boolean {
-  return ground === null || within(ground.com, ground.support);
+  return ground === null || ground.stands;
 }
 
 interface Overlay {
@@ -336,7 +336,8 @@ export class Overlays {
     const ball = placed(new Mesh(glyphs.ball, shared.glyph), scaled(moved(x, y, height), 0.022 * size));
     group.add(ball);
     this.robot.root.add(group);
-    const text = inside ? "COM of the robot" : "COM of the robot, outside its support";
+    const pose = this.robot.startsAtZero ? "" : " with all joints at zero";
+    const text = inside ? `COM of the robot${pose}` : `COM of the robot${pose}, outside its support`;
     return [{ layer: "ground", links: [], object: group, label: { text, object: ball, kind: inside ? "ok" : "error", rank: 3 } }];
   }
 }
@@ -378,12 +379,3 @@ const overlapMaterial = mark(COLORS.overlap);
 const overlapGlyph = tubes(
   [-1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, 0, 0, 0, -1, 0, 0, 1, ...boxEdges([0.7, 0.7, 0.7])], 0.09,
 );
-
-function within([x, y]: number[], polygon: number[][]): boolean {
-  let inside = false;
-  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
-    const [xi, yi] = polygon[i], [xj, yj] = polygon[j];
-    if (yi > y !== yj > y && x < ((xj - xi) * (y - yi)) / (yj - yi) + xi) inside = !inside;
-  }
-  return inside;
-}

@@ -3,6 +3,8 @@ import { el, send } from "./dom.ts";
 import type { JointNode, Robot } from "./robot.ts";
 
 const MANY = 12;
+// Joints that the note names before it counts the rest.
+const NAMED = 8;
 const DEGREE = Math.PI / 180;
 
 interface Row {
@@ -16,6 +18,7 @@ interface Row {
 export class JointPanel {
   private rows: Row[] = [];
   private readonly summary = el("summary");
+  private readonly note = el("p", { class: "uc-joint-note", hidden: true });
   private readonly list = el("div", { class: "uc-joint-list" });
   private readonly filter = el("input", { type: "search", placeholder: "filter", "aria-label": "Filter the joints by name" });
   private readonly degrees = el("button", { type: "button", "aria-pressed": "false", title: "Degrees instead of radians" }, "deg");
@@ -42,7 +45,7 @@ export class JointPanel {
       this.degrees,
       this.filter,
     );
-    drawer.replaceChildren(this.summary, el("div", { class: "uc-joint-body" }, tools, this.list));
+    drawer.replaceChildren(this.summary, el("div", { class: "uc-joint-body" }, tools, this.note, this.list));
   }
 
   private get inDegrees(): boolean {
@@ -56,6 +59,10 @@ export class JointPanel {
     this.summary.textContent = `Joints (${joints.length})`;
     this.filter.hidden = joints.length <= MANY;
     this.filter.value = "";
+    const clamped = joints.filter(({ data }) => !data.mimic && data.start !== 0).map(({ data }) => data.name);
+    const more = clamped.length > NAMED ? ` and ${clamped.length - NAMED} more` : "";
+    this.note.hidden = !clamped.length;
+    this.note.textContent = `Zero is outside the limits of ${clamped.slice(0, NAMED).join(", ")}${more}: drawn at the limit next to it.`;
     this.rows = joints.map((joint) => this.row(joint));
     this.list.replaceChildren(...this.rows.map(({ row }) => row));
     this.refresh(true);

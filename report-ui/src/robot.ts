@@ -113,6 +113,8 @@ export class Robot {
       this.buildSkeleton();
     }
     if (this.box.isEmpty()) this.box.set(new Vector3(-0.5, -0.5, 0), new Vector3(0.5, 0.5, 0.5));
+    // The frame of one link alone is a point, and stands on the ground.
+    else if (this.box.getSize(new Vector3()).length() === 0) this.box.expandByVector(new Vector3(0.5, 0.5, 0)).expandByPoint(this.box.max.clone().setZ(this.box.max.z + 0.5));
     this.size = Math.max(this.box.getSize(new Vector3()).length(), 1e-3);
   }
 
@@ -213,6 +215,11 @@ export class Robot {
   /** Whether every joint is where it was at first. */
   get neutral(): boolean {
     return this.movable.every((joint) => joint.data.mimic || Math.abs(joint.value - joint.data.start) < 1e-9);
+  }
+
+  /** Whether every joint is at zero at first: limits may exclude that, and followers may have an offset. */
+  get startsAtZero(): boolean {
+    return this.movable.every(({ data }) => (data.mimic ? data.mimic.offset === 0 : data.start === 0));
   }
 
   /** The worst that is known of a link and of the joint that places it. */

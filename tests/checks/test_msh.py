@@ -284,6 +284,15 @@ def test_a_buffer_that_is_not_there_is_told_at_the_mesh(tmp_path: Path, content:
     assert (finding.severity, finding.data["reason_id"]) == (Severity.ERROR, reason)
 
 
+def test_a_missing_buffer_is_told_before_its_compression(tmp_path: Path) -> None:
+    packed = json.dumps({**json.loads(gltf("part.bin")), "extensionsRequired": ["KHR_draco_mesh_compression"]})
+    assert find_broken(tmp_path, "part.gltf", packed).data["reason_id"] == "missing-buffer"
+    (tmp_path / "part.bin").write_bytes(TRIANGLE)
+    finding = find_broken(tmp_path, "part.gltf", packed)
+    assert (finding.severity, finding.data["reason_id"]) == (Severity.WARNING, "unsupported")
+    assert {"rviz", "gazebo", "pinocchio"} <= set(finding.data["unproven"])
+
+
 @pytest.mark.parametrize(
     "uri",
     [

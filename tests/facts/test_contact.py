@@ -82,6 +82,31 @@ def test_a_rounded_foot_touches_at_its_lowest_point_only() -> None:
     assert np.ptp(found.polygon[:, 0]) == 0.0
 
 
+def build_soles(rise: float) -> tuple[Array, Array]:
+    """Two soles of 0.2 m on the lowest three points of their heels; the toes are ``rise`` higher."""
+    heel = [(0, y, 0.0) for y in (0.0, 0.03, 0.06)]
+    toe = [(0.2, y, rise) for y in (0.0, 0.06)]
+    sole = np.array((*heel, *toe, (0.1, 0.03, 1.5)))
+    return np.concatenate((sole, sole + np.array((0, 0.2, 0)))), np.repeat((0, 1), len(sole))
+
+
+def test_an_uneven_sole_touches_with_what_an_invisible_tilt_brings_down() -> None:
+    for part, length in ((0.0, 0.2), (0.8, 0.2), (1.2, 0.0)):
+        rise = part * 1.5e-3  # of a body of 1.5 m
+        points, parts = build_soles(rise)
+        found = compute_ground_support(points, parts=parts, com=(0.1, 0.13, 0.8))
+        assert np.ptp(found.polygon[:, 0]) == pytest.approx(length)
+        assert (found.margin > 0) is (length > 0)
+
+
+def test_the_flanks_of_a_wheel_are_no_sole_where_one_part_has_several() -> None:
+    angles = np.arange(360) * math.tau / 360
+    rim = np.column_stack((np.sin(angles), np.zeros(360), 1 - np.cos(angles))) * 0.1
+    wheels = np.concatenate([rim + np.array((x, y, 0)) for x in (0.0, 0.5) for y in (0.0, 0.3)])
+    found = compute_ground_support(wheels, parts=np.zeros(len(wheels), dtype=int), com=(0.25, 0.15, 0.1))
+    assert np.ptp(found.polygon[:, 0]) == pytest.approx(0.5, abs=0.005)
+
+
 def test_a_corner_that_is_there_twice_is_one() -> None:
     twice = np.concatenate((TABLE, TABLE + 1e-17))
     assert len(compute_ground_support(twice, parts=np.arange(16), com=(0, 0, 0.3)).polygon) == 4

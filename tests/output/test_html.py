@@ -325,6 +325,17 @@ def test_a_chip_for_each_program_links_to_the_table() -> None:
     assert chips["rviz"] == "ok RViz loads it as typed"
 
 
+def test_of_a_mesh_that_was_not_read_no_program_is_said_to_load_it() -> None:
+    unread = finding(
+        code="MSH001", consequences={"mujoco": "refuses to compile"}, data={"unproven": ["rviz", "newton"]}
+    )
+    chips = strip_of(a_run(unread))
+    assert chips["rviz"] == "unchecked RViz may lack a mesh that was not checked"
+    assert chips["isaac"].startswith("unchecked")
+    assert chips["mujoco"] == "error MuJoCo refuses it"
+    assert chips["kdl"] == "ok KDL loads it as typed"
+
+
 def test_a_chip_counts_what_follows_from_a_launch_file_too() -> None:
     launched = rule("LCH002", "spawn", scopes=("launch",))
     effects = {"gazebo": "starts the world without the robot", "rviz": "loads it"}

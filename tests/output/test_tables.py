@@ -68,6 +68,15 @@ def test_the_whole_robot_has_a_mass_and_a_place() -> None:
     assert rows(render_physics_table(scene(links=links), {}))[-1][1:6] == ["2", "", "550.000", "50.000", "0"]
 
 
+def test_the_whole_robot_has_the_place_that_it_has_as_it_is_drawn() -> None:
+    body = make_inertia(mass=1.0, com=(0.1, 0.0, 0.0))
+    links = (make_link("a", inertial=body), make_link("b", inertial=body, start=TURNED))
+    follower = make_joint("j", "a", "b", mimic=("i", 1.0, 0.5))
+    *_, (name, _, _, *place, _) = rows(render_physics_table(scene(links=links, joints=(follower,)), {}))
+    assert place == ["550.000", "50.000", "0"]
+    assert name == "All togetherbase frame, as drawn: joints at zero, followers where <mimic> puts them"
+
+
 @pytest.mark.parametrize("changes", [{"world": None}, {"inertial": make_inertia(com=())}])
 def test_the_whole_robot_has_no_place_where_a_link_has_none(changes: dict[str, object]) -> None:
     links = (make_link("a", inertial=make_inertia(mass=1.0)), make_link("b", **changes))
@@ -162,6 +171,35 @@ def test_joints_have_a_column_for_what_one_of_them_has() -> None:
     table = render_joints_table(scene(joints=(plain, drive)), {})
     assert [row[6:] for row in rows(table)] == [["—", "—"], ["−1 × a + 0.5", "3"]]
     assert "Damping" not in table
+
+
+def test_numbers_of_both_kinds_of_joints_have_their_units() -> None:
+    turning = make_joint("a", "base", "wheel", effort=3.0, velocity=2.0)
+    sliding = make_joint("b", "base", "w2", type="prismatic", effort=40.0)
+    table = render_joints_table(scene(joints=(turning, sliding)), {})
+    assert [row[6:] for row in rows(table)] == [["3 N·m", "2"], ["40 N", "—"]]
+    assert "Effort</th>" in table
+    assert "Velocity<br><small>rad/s</small>" in table
+    assert "Effort<br><small>N</small>" in render_joints_table(scene(joints=(sliding,)), {})
+
+
+def test_axes_are_those_of_the_joint_frame() -> None:
+    table = render_joints_table(scene(joints=(make_joint("a", "base", "wheel", turn=(0.0, 0.6, 0.8)),)), {})
+    assert rows(table)[0][4] == "0, 0.6, 0.8"
+    assert "Axis<br><small>joint frame</small>" in table
+
+
+def test_joints_that_are_not_drawn_at_zero_are_named() -> None:
+    joints = (
+        make_joint("knee", "base", "wheel", lower=0.2, start=0.2),
+        make_joint("hip", "base", "w2"),
+        make_joint("toe", "base", "w3", start=0.1, mimic=("knee", 1.0, 0.0)),
+    )
+    assert (
+        "Zero is outside the limits of knee: drawn at the limit next to it."
+        in read(render_joints_table(scene(joints=joints), {})).text
+    )
+    assert "at the limit" not in render_joints_table(scene(joints=joints[1:]), {})
 
 
 def test_names_can_be_found_by_the_pages_script() -> None:

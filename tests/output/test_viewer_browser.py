@@ -522,6 +522,32 @@ def choose(page: Any, code: str) -> None:
     page.locator(f".card[data-code={code}] .in-3d").first.click()
 
 
+def test_what_is_not_drawn_or_not_at_zero_is_said(browser: Any, tmp_path: Path) -> None:
+    gone = SceneShape(role="visual", kind="mesh", size=(1.0, 1.0, 1.0), pose=IDENTITY, mesh="package://gone/hull.stl")
+    hull = make_link("hull", shapes=(gone,))
+    arm, knee = (
+        make_link("arm", shapes=(gone,)),
+        make_joint("knee", "hull", "arm", lower=0.2, start=0.2, turn=(0.0, 1.0, 0.0)),
+    )
+    scenes = (
+        scene(root="hull", links=(hull,), joints=(), meshes=(), frames=()),
+        scene(root="hull", links=(hull, arm), joints=(knee,), meshes=(), frames=(), model="2"),
+    )
+    path = tmp_path / "report.html"
+    path.write_text(render(a_run(scenes=scenes, models=(info(), info(id="2")))), encoding="utf-8")
+    page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce")
+    page.goto(path.as_uri())
+    page.wait_for_selector("body[data-ready='1']")
+    note = "1 of 1 mesh file is missing or was not read, and not drawn: hull.stl"
+    assert page.locator(".uc-note").inner_text() == note
+    assert page.locator(".uc-label", has_text="hull").is_visible(), "its frame is all that there is"
+    page.locator("#viewer select").select_option(index=1)
+    page.locator(".uc-joints > summary").click()
+    said = "Zero is outside the limits of knee: drawn at the limit next to it."
+    assert page.locator(".uc-joint-note").inner_text() == said
+    page.close()
+
+
 def test_a_joint_is_shown_before_and_after_its_repair(repairs: Any) -> None:
     choose(repairs, "SYM001")
     before, after = (repairs.get_by_role("button", name=name, exact=True) for name in ("Before", "After"))

@@ -17,6 +17,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 from urdfcheck.facts.mesh.measure import compute_mesh_solid
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # Names and primitives that a message lists before it counts the rest.
 LISTED = 8
@@ -63,7 +64,7 @@ def _fit_primitive(model: Model, use: MeshUse) -> str | None:
 
     Its axes must be the mesh's own and its extent the mesh's to within a quarter, which excludes rings and combs.
     """
-    facts, scale = model.meshes.get_facts(use.shape), use.shape.size
+    facts, scale = model.meshes.get_facts(use.shape), compute_drawn_scale(model, use.shape)
     if facts is None or scale is None or not facts.closed or not facts.volume * np.prod(scale):
         return None
     solid = compute_mesh_solid(facts, scale, rotation=IDENTITY, translation=NO_TRANSLATION)

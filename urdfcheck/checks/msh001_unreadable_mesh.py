@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError
@@ -50,6 +51,8 @@ OWN_LOADERS = {"mujoco": frozenset({"obj"}), "drake": frozenset({"obj", "gltf"})
 _MISSING_MATERIAL = re.compile(r"material #\S* not found")
 _MISSING_IMAGE = "missing image"
 NOT_TRIED = "uses its own loader for this format, which was not tried"
+# They load meshes with Assimp.
+ASSIMP_USERS = frozenset({"pinocchio", "moveit", "rviz"})
 # Older versions of Assimp read beyond the array in this case, without a message.
 NEWER_ASSIMP = dict.fromkeys(("rviz", "moveit"), "drops the shape with newer versions of Assimp")
 # trimesh and yourdfpy read COLLADA with pycollada, like urdfcheck.
@@ -66,15 +69,24 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             repair = _describe_bare_repair(model, uses) if is_bare else _describe_repair(error.message, error.reason_id)
             if is_of_tests(model):
                 repair = f"keep it if the test needs a broken mesh; otherwise {repair}"
-            yield _build_finding(
+            finding = _build_finding(
                 rule, uses, message, error.message, reason_id=error.reason_id, severity=severity, repair=repair
             )
+            yield replace(finding, data={**finding.data, "unproven": _list_unproven(rule, finding, error)})
         elif facts is not None and facts.flaw is not None:
             message = {"refuses": "refused", "loads": "tolerated"}.get(facts.assimp, "broken")
             only_image = message == "tolerated" and _MISSING_IMAGE in facts.flaw
             severity = None if message == "refused" else Severity.INFO if only_image else Severity.WARNING
             repair = _describe_repair(facts.flaw, "flaw")
             yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity, repair=repair)
+
+
+def _list_unproven(rule: Rule, finding: Finding, error: MeshError) -> list[str]:
+    """List the programs that read meshes and of which it is not known what they do with this one."""
+    known = {program for program, sentence in finding.consequences.items() if sentence != NOT_TRIED}
+    if error.assimp == "loads":
+        known |= ASSIMP_USERS
+    return [program for program in rule.consumers["unreadable"] if program not in known]
 
 
 def _choose_message(error: MeshError, name: str) -> str:

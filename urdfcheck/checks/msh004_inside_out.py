@@ -12,6 +12,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.measure import MeshFacts
@@ -39,7 +40,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             related=[use.filename for upright, _ in group for use in upright[1:]],
             severity=Severity.INFO if all(itertools.starmap(_is_small_drawing, group)) else None,
             mesh=first[0].filename.value,
-            volume=facts.volume * prod(first[0].shape.size or (1.0,)),
+            volume=facts.volume * prod(compute_drawn_scale(model, first[0].shape) or (1.0,)),
             more=f" (+{len(others)} more)" if others else "",
             others=f"; so do those of {join_names(upright[0].filename.value for upright, _ in others)}"
             if others

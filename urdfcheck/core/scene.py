@@ -106,6 +106,9 @@ class SceneLink:
     """Pose in root coordinates with all joints at zero."""
     shapes: tuple[SceneShape, ...]
     span: Span | None
+    start: tuple[float, ...] | None = None
+    """Pose in root coordinates with every joint at its start and followers where ``<mimic>`` puts them, as the report draws the
+    robot; None where that is ``world``."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -161,6 +164,8 @@ class SceneGround:
     """Corners of the support polygon in order."""
     com: tuple[float, ...]
     """COM of the whole robot."""
+    stands: bool = True
+    """Whether the COM is above the polygon, to within the slack that DYN004 allows."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

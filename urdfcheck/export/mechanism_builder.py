@@ -172,7 +172,7 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
         file=str(path) if path in model.meshes.digests else "",
         low=low,
         high=high,
-        volume=None if solid is None else _scale_volume(solid.volume, shape, size),
+        volume=None if solid is None else float(solid.volume),
         closed=None if facts is None else bool(facts.closed),
         color=find_color(model, shape) or (),
         texture="" if texture is None else _name_file(model, texture.get("filename")),
@@ -183,14 +183,6 @@ def _build_shape(model: Model, shape: Shape) -> MechanismShape:
             "material": whole if material is None else _trace_material(model, material),
         },
     )
-
-
-def _scale_volume(volume: float, shape: Shape, drawn: tuple[float, ...]) -> float:
-    """Return the volume with COLLADA's unit, which the solid leaves out."""
-    typed = shape.size or ()
-    if shape.kind != "mesh" or len(typed) != 3 or len(drawn) != 3 or not all(typed):
-        return float(volume)
-    return float(volume) * abs(drawn[0] * drawn[1] * drawn[2] / (typed[0] * typed[1] * typed[2]))
 
 
 # -- joints ------------------------------------------------------------------------------------------------------------

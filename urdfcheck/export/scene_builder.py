@@ -56,10 +56,11 @@ def build_scene(model: Model, model_id: str, *, launches: Sequence[Launch], find
     except FactUnavailableError:
         root, order = "", tuple(model.link_by_name)
     files = {path: place for place, path in enumerate(dict.fromkeys(_list_mesh_files(model)))}
+    starts = _compute_start_poses(model)
     return Scene(
         model=model_id,
         root=root,
-        links=tuple(_build_link(model, model.link_by_name[name], files) for name in order),
+        links=tuple(_build_link(model, model.link_by_name[name], files, starts.get(name)) for name in order),
         joints=tuple(_build_joint(model, joint) for joint in model.joints),
         frames=tuple(
             SceneFrame(parent=t.parent, child=t.child, pose=_compute_pose(t), span=t.at.span)
@@ -88,7 +89,7 @@ def _compute_pose(static: StaticTransform) -> tuple[float, ...]:
 # -- links and joints --------------------------------------------------------------------------------------------------
 
 
-def _build_link(model: Model, link: Link, files: dict[Path, int]) -> SceneLink:
+def _build_link(model: Model, link: Link, files: dict[Path, int], start: tuple[float, ...] | None) -> SceneLink:
     from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_solid_inertia
 
     inertial = None if link.inertial is None else _build_inertia(link.inertial)
@@ -104,6 +105,7 @@ def _build_link(model: Model, link: Link, files: dict[Path, int]) -> SceneLink:
         world=_find_world_pose(model, link.name),
         shapes=tuple(_build_shape(model, s, files) for s in (*link.visuals, *link.collisions)),
         span=link.element.span,
+        start=start,
     )
 
 
@@ -150,6 +152,29 @@ def _find_world_pose(model: Model, link: str) -> tuple[float, ...] | None:
         return None
 
 
+def _compute_start_poses(model: Model) -> dict[str, tuple[float, ...]]:
+    """Compute where the links are as the report draws the robot; empty where that is with all joints at zero, or not known."""
+    import numpy as np
+
+    from urdfcheck.model.motion.poses import (
+        JointConfigurations,
+        apply_mimics,
+        compute_frames,
+        make_neutral_configuration,
+    )
+
+    try:
+        joints = make_neutral_configuration(model).joints
+        starts = np.array([_find_start(joint) for joint in joints]).reshape(1, -1)
+        configuration = apply_mimics(JointConfigurations(joints, starts))
+        if not configuration.values.any():
+            return {}
+        frames = compute_frames(model, configuration)
+    except FactUnavailableError:
+        return {}
+    return {name: _flatten_matrix(frame[0]) for name, frame in frames.items() if np.isfinite(frame).all()}
+
+
 def _build_shape(model: Model, shape: Shape, files: dict[Path, int]) -> SceneShape:
     pose, use = shape.origin.matrix, model.meshes.by_shape.get(id(shape))
     return SceneShape(
@@ -183,8 +208,7 @@ def _build_joint(model: Model, joint: Joint) -> SceneJoint:
         axis = model.axes.get(joint.name)
     except FactUnavailableError:
         axis = None
-    limited = joint.limit is not None and joint.type in {"revolute", "prismatic"}
-    lower, upper = (joint.get_limit_value(name) if limited else None for name in ("lower", "upper"))
+    lower, upper = _get_limits(joint)
     pose, typed = joint.origin.matrix, joint.axis if joint.has_axis else None
     length = 0.0 if typed is None else float(np.linalg.norm(typed))
     mimic, dynamics = joint.mimic, joint.element.find_child("dynamics")
@@ -199,13 +223,25 @@ def _build_joint(model: Model, joint: Joint) -> SceneJoint:
         span=joint.element.span,
         pose=() if pose is None else _flatten_matrix(pose),
         turn=tuple(v / length for v in typed) if typed is not None and length > 0.0 else None,
-        start=min(max(0.0, lower), upper) if lower is not None and upper is not None and lower <= upper else 0.0,
+        start=_find_start(joint),
         mimic=None if mimic is None else _read_mimic(mimic),
         effort=joint.get_limit_value("effort"),
         velocity=joint.get_limit_value("velocity"),
         damping=read_attribute_number(dynamics, "damping"),
         friction=read_attribute_number(dynamics, "friction"),
     )
+
+
+def _get_limits(joint: Joint) -> tuple[float | None, float | None]:
+    if joint.limit is None or joint.type not in {"revolute", "prismatic"}:
+        return None, None
+    return joint.get_limit_value("lower"), joint.get_limit_value("upper")
+
+
+def _find_start(joint: Joint) -> float:
+    """Return the position nearest to zero that the limits allow."""
+    lower, upper = _get_limits(joint)
+    return min(max(0.0, lower), upper) if lower is not None and upper is not None and lower <= upper else 0.0
 
 
 def _read_mimic(mimic: Element) -> tuple[str, float, float]:
@@ -334,7 +370,7 @@ def _build_ground(model: Model) -> SceneGround | None:
         return None
     import numpy as np
 
-    from urdfcheck.facts.motion.contact import compute_ground_support
+    from urdfcheck.facts.motion.contact import SLACK, compute_ground_support
     from urdfcheck.model.ground.support_polygon import (
         collect_robot_corners,
         compute_contact_points,
@@ -361,6 +397,7 @@ def _build_ground(model: Model) -> SceneGround | None:
         ),
         support=tuple(tuple(map(float, corner)) for corner in support.polygon),
         com=tuple(map(float, com)),
+        stands=support.tip_angle >= -SLACK,
     )
 
 

@@ -47,4 +47,11 @@ def render(run: Run) -> str:
 
 def _build_consumer_outcomes(run: Run, info: ModelInfo) -> dict[str, Any]:
     by_consumer = predict_outcomes(f for f in (*run.findings, *run.unrequested) if info.id in f.subjects_by_model)
-    return {name: {"verdict": str(o.verdict), "codes": list(o.codes)} for name, o in by_consumer.items()}
+    return {
+        name: {
+            "verdict": str(o.verdict),
+            "codes": list(o.codes),
+            **({"unproven": list(o.unproven)} if o.unproven else {}),
+        }
+        for name, o in by_consumer.items()
+    }

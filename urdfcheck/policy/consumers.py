@@ -41,19 +41,31 @@ class ConsumerOutcome:
 
     verdict: Verdict
     codes: tuple[str, ...]
+    unproven: tuple[str, ...] = ()
+    """The rules that report something of which it is not known what the program does with it; where it does nothing else."""
 
 
 def predict_outcomes(findings: Iterable[Finding], names: Sequence[str] = CONSUMERS) -> dict[str, ConsumerOutcome]:
     """Predict what each of these programs does with the model of these findings, suppressed ones included."""
     codes_by_verdict: dict[str, dict[Verdict, dict[str, None]]] = {name: {} for name in names}
+    unproven: dict[str, set[str]] = {name: set() for name in names}
     for finding in findings:
+        for name in _list_unproven(finding, names):
+            unproven[name].add(finding.code)
         for name in names:
             codes_by_verdict[name].setdefault(get_verdict(finding.consequences, name), {})[finding.code] = None
     predicted = {}
     for name, verdicts in codes_by_verdict.items():
         worst = max(verdicts, default=Verdict.LOADS)
-        predicted[name] = ConsumerOutcome(worst, tuple(sorted(verdicts[worst])) if worst > Verdict.LOADS else ())
+        codes = tuple(sorted(verdicts[worst])) if worst > Verdict.LOADS else ()
+        predicted[name] = ConsumerOutcome(worst, codes, () if codes else tuple(sorted(unproven[name])))
     return predicted
+
+
+def _list_unproven(finding: Finding, names: Sequence[str]) -> list[str]:
+    """List the programs of which a finding says that it is not known what they do."""
+    unproven = {program for own in finding.list_occurrences() for program in own.data.get("unproven", ())}
+    return [name for name in names if name in unproven or PARSERS.get(name) in unproven] if unproven else []
 
 
 def get_verdict(consequences: Mapping[str, str], consumer: str) -> Verdict:

@@ -13,13 +13,17 @@ from urdfcheck.core.records import dataclass
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
-    from urdfcheck.facts.arrays import Array, Indices, Vec3
+    from urdfcheck.facts.arrays import Array, Bools, Indices, Vec3
 
 
 # An invisible tilt, 0.5°: what it brings to the ground counts as touching (a wheel 2 mm high, 0.25 m from the COM).
 SLACK = math.radians(0.5)
-# How flat a sole is, as a fraction of the body's size: points of a link this little above its lowest point touch with it.
-_SOLE_FLATNESS = 1e-5
+# Rounding, as a fraction of the body's size: points this little above the lowest one are as low.
+_ROUNDING = 1e-5
+# The sole of a scanned or simplified foot is uneven: that of TALOS rises by up to 1 mm over 170 mm. What the slack brings down as
+# the foot tilts about its lowest points touches with them, up to this fraction of the body's size (chosen: 1.8 mm for TALOS), so
+# that the flanks of wheels do not where one link has several. A round foot is steeper than the slack next to its lowest point.
+_SOLE_RISE = 1e-3
 # Every turn onto another edge lowers the COM, so that no edge occurs twice; a smooth body of many corners has many edges.
 _MAX_TURNS = 500
 
@@ -65,7 +69,8 @@ def compute_ground_support(
     """Compute how a body of corners ``points`` (n, 3), placed upright, touches a plane across ``up`` (unit vector).
 
     The body consists of rigid parts; ``parts`` (n,) is the number of each point's part, from 0. A part touches with its lowest
-    points if they are the lowest of all, or a tilt by ``slack`` (rad) about the COM's plumb line makes them so.
+    points if they are the lowest of all, or a tilt by ``slack`` (rad) about the COM's plumb line makes them so, and with those
+    that a tilt by ``slack`` about the nearest of its lowest points makes as low: the sole of a foot.
     """
     corners, centre, vertical = (np.asarray(a, dtype=float) for a in (points, com, up))
     owners = np.asarray(parts)
@@ -76,9 +81,11 @@ def compute_ground_support(
     lowest = np.full(int(owners.max()) + 1, np.inf)
     np.minimum.at(lowest, owners, heights)
     reach = np.linalg.norm(flat - origin, axis=1)
-    flatness = _SOLE_FLATNESS * float(np.ptp(corners, axis=0).max())
-    low = heights <= lowest[owners] + flatness
-    touching = np.flatnonzero(low & (heights <= np.maximum(math.tan(slack) * reach, flatness)))
+    size, slope = float(np.ptp(corners, axis=0).max()), math.tan(slack)
+    rises = heights - lowest[owners]
+    is_near_ground = heights <= np.maximum(slope * reach, _ROUNDING * size)
+    near = np.flatnonzero(is_near_ground & (rises <= _SOLE_RISE * size))
+    touching = near[_is_on_sole(flat[near], rises[near], owners[near], rounding=_ROUNDING * size, slope=slope)]
     order = _compute_planar_hull(flat[touching])
     outline = flat[touching][order]
     margin, nearest, outwards = _compute_support_margin(outline, origin)
@@ -91,6 +98,22 @@ def compute_ground_support(
         outwards=outwards @ across,
         height=float(centre @ vertical) - ground,
     )
+
+
+def _is_on_sole(flat: Array, rises: Array, owners: Indices, *, rounding: float, slope: float) -> Bools:
+    """Return which points ``flat`` (n, 2) a tilt by ``slope`` about the nearest of their part's lowest points makes as low.
+
+    ``rises`` (n,): how far they are above these."""
+    is_touching: Bools = rises <= rounding
+    is_lowest = is_touching.copy()
+    for part in sorted(set(owners[~is_lowest].tolist())):
+        others = np.flatnonzero((owners == part) & ~is_lowest)
+        pivots = flat[(owners == part) & is_lowest]
+        if not len(pivots):
+            continue
+        distances = np.min([np.linalg.norm(flat[others] - pivot, axis=1) for pivot in pivots], axis=0)
+        is_touching[others] = rises[others] <= slope * distances
+    return is_touching
 
 
 def simulate_tipping(

@@ -18,6 +18,7 @@ from urdfcheck.model.likeness.mirror_pairs import PLACE, mirror_pairs
 from urdfcheck.model.likeness.shape_comparison import ALIKE, get_outline
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def _compute_surface_moments(model: Model, link: Link) -> Sequence[float]:
     import numpy as np
 
     for shape in (*link.visuals, *link.collisions):
-        facts, scale = model.meshes.get_facts(shape), shape.size
+        facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
         if facts is not None and scale is not None:
             factors = np.array(scale)
             moments, _ = compute_principal_moments(facts.surface_covariance * np.outer(factors, factors))

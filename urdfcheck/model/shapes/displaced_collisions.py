@@ -12,6 +12,7 @@ from urdfcheck.facts.small_matrices import IDENTITY, Matrix, Placement, list_ent
 from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.solids import compute_drawn_scale
 
 # The differences that count unless a configuration says otherwise (m, rad); the page of GEO005 has the reasons.
 MIN_DISTANCE, MIN_ANGLE = 1e-4, 2e-3
@@ -156,7 +157,7 @@ def _place_shapes(model: Model, shapes: Sequence[Shape]) -> Iterator[PlacedShape
 def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float) -> bool:
     """Whether a mesh takes the same room in two places, to within ``distance`` (m): hull and surface are symmetric under the
     rotation. False where the mesh was not read."""
-    facts, scale = model.meshes.get_facts(one.shape), one.shape.size
+    facts, scale = model.meshes.get_facts(one.shape), compute_drawn_scale(model, one.shape)
     if facts is None or scale is None:
         return False
     import numpy as np

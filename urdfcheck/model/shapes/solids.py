@@ -25,7 +25,7 @@ def compute_drawn_scale(model: Model, shape: Shape) -> tuple[float, float, float
 
 
 def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid | None:
-    """Measure volume, COM and second moments of what a link draws (or collides with), in the link frame.
+    """Measure volume, COM and second moments of what a link draws (or collides with), in the link frame, as RViz draws it.
 
     None when it has no such shape, or one whose volume is not known (an unread or open mesh).
     """
@@ -41,10 +41,10 @@ def measure_link_solid(model: Model, link: Link, role: str = "visual") -> Solid 
 
 def measure_shape_solid(model: Model, shape: Shape) -> Solid | None:
     """Measure one shape, like `measure_link_solid`."""
-    size = shape.size
+    facts = model.meshes.get_facts(shape)
+    size = shape.size if facts is None else compute_drawn_scale(model, shape)
     if size is None or any(s == 0 for s in size):
         return None
-    facts = model.meshes.get_facts(shape)
     if shape.kind == "mesh" and (facts is None or not facts.closed or not all(map(math.isfinite, facts.com))):
         return None
     pose = shape.origin.matrix

@@ -8,14 +8,14 @@ from urdfcheck.core import Finding, Rule, Severity, Verdict
 from urdfcheck.core.records import dataclass
 from urdfcheck.output.shared.verdict.effects import describe_verdict
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
-from urdfcheck.policy.consumers import CONSUMERS, get_verdict, is_news, predict_outcomes
+from urdfcheck.policy.consumers import CONSUMERS, ConsumerOutcome, get_verdict, is_news, predict_outcomes
 
-_KINDS = ("ok", "warning", "error")
+_KINDS = ("ok", "unchecked", "warning", "error")
 
 
 @dataclass(frozen=True, slots=True)
 class ProgramMark:
-    """The worst that a program does with a model: ok | warning | error, in words."""
+    """The worst that a program does with a model: ok | unchecked | warning | error, in words."""
 
     program: str
     kind: str
@@ -41,7 +41,7 @@ def mark_programs(
     launched = select_launch_findings(findings, rules)
     marks = []
     for program, outcome in predict_outcomes(findings).items():
-        kind, words = rate_verdict(outcome.verdict), describe_outcome(outcome.verdict)
+        kind, words = rate_outcome(outcome), describe_outcome(outcome)
         is_listed = shown[program].verdict is outcome.verdict
         for finding in launched:
             effect = mark_effect(finding, program, rules)
@@ -61,11 +61,16 @@ def rate_verdict(verdict: Verdict) -> str:
     return "ok" if verdict is Verdict.LOADS else "warning"
 
 
-def describe_outcome(verdict: Verdict) -> str:
+def rate_outcome(outcome: ConsumerOutcome) -> str:
+    """Return how bad it is what a program does with a model: ok | unchecked | warning | error."""
+    return "unchecked" if outcome.unproven else rate_verdict(outcome.verdict)
+
+
+def describe_outcome(outcome: ConsumerOutcome) -> str:
     """Say what happens to a model in a program: ``loads it changed: drops a part``."""
-    match verdict:
+    match verdict := outcome.verdict:
         case Verdict.LOADS:
-            return "loads it as typed"
+            return "may lack a mesh that was not checked" if outcome.unproven else "loads it as typed"
         case Verdict.REFUSES:
             return "refuses it"
         case Verdict.NAN:

@@ -152,6 +152,9 @@ class _GltfDocument:
     def refuse_unread(self) -> None:
         for extension, name in _COMPRESSED.items():
             if extension in self.document.get("extensionsRequired", ()):
+                for problem in self.files.values():
+                    if isinstance(problem, MeshError) and problem.reason_id == "missing-buffer":
+                        raise problem  # also programs that decompress lack it
                 raise MeshError("unsupported", f"is compressed with {name} ({extension}), which is not supported")
 
     def iter_placed_meshes(self) -> Iterator[tuple[int, Array]]:

@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from urdfcheck.core import Finding, Rule
 from urdfcheck.output.html.glyphs import render_glyph
 from urdfcheck.output.html.html_text import NO_VALUE, escape_html
-from urdfcheck.output.html.program_outcomes import describe_outcome, rate_verdict, select_launch_findings
+from urdfcheck.output.html.program_outcomes import describe_outcome, rate_outcome, select_launch_findings
 from urdfcheck.output.html.tables.html_table import render_table
 from urdfcheck.output.shared.wording import PROGRAM_NAMES
 from urdfcheck.policy.consumers import ConsumerOutcome, predict_outcomes
@@ -30,8 +30,8 @@ def render_consumers_table(findings: Iterable[Finding], rules: Mapping[str, Rule
 
 
 def _render_consumer_row(name: str, outcome: ConsumerOutcome, rules: Collection[str], launch_cell: str) -> str:
-    kind, verdict = rate_verdict(outcome.verdict), describe_outcome(outcome.verdict)
-    codes = ", ".join(_render_code(code, rules) for code in outcome.codes)
+    kind, verdict = rate_outcome(outcome), describe_outcome(outcome)
+    codes = ", ".join(_render_code(code, rules) for code in outcome.codes or outcome.unproven)
     return (
         f'<tr><th scope="row">{escape_html(PROGRAM_NAMES.get(name, name))}</th>'
         f'<td class="{kind}">{render_glyph(kind)} {verdict}</td><td>{codes or NO_VALUE}</td>{launch_cell}</tr>'

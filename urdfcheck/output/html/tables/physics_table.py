@@ -15,6 +15,7 @@ from urdfcheck.output.html.html_text import (
     format_whole_number,
 )
 from urdfcheck.output.html.tables.html_table import render_name_cell, render_number_cell, render_table
+from urdfcheck.output.html.tables.joints_table import list_clamped_joints
 from urdfcheck.output.shared.anchors import ElementKey, SeverityMark
 
 # Ratio to the uniform solid's principal moment from which on a moment is far off: e^1.6, the limit of INR009.
@@ -87,7 +88,7 @@ def _compute_moment_ratios(moments: Sequence[float], drawn_moments: Sequence[flo
 
 
 def _render_total_row(scene: Scene) -> str:
-    """Render the mass of all links and, if each of them has a pose, their COM."""
+    """Render the mass of all links and, if each of them has a pose, their COM in the pose in which the robot is drawn."""
     bodies = [link for link in scene.links if link.inertial is not None and link.inertial.mass is not None]
     if not bodies:
         return ""
@@ -97,18 +98,31 @@ def _render_total_row(scene: Scene) -> str:
     if total > 0 and all(place for _, place in placed):
         com = [format_millimetres(math.fsum(mass * place[i] for mass, place in placed) / total) for i in range(3)]
     return (
-        f'<tr><th scope="row">All together<br><small>base frame, joints at zero</small></th>'
+        f'<tr><th scope="row">All together<br><small>base frame, {_describe_pose(scene)}</small></th>'
         f'{render_number_cell(format_number(total))}<td colspan="6"></td>{"".join(map(render_number_cell, com))}'
         '<td colspan="4"></td></tr>'
     )
 
 
+def _describe_pose(scene: Scene) -> str:
+    """Describe the pose in which the robot is drawn."""
+    if not any(link.start for link in scene.links):
+        return "joints at zero"
+    clamped = ", or at the limit next to it" if list_clamped_joints(scene) else ""
+    return f"as drawn: joints at zero{clamped}{', followers where &lt;mimic&gt; puts them' if _has_followers(scene) else ''}"
+
+
+def _has_followers(scene: Scene) -> bool:
+    return any(joint.mimic is not None for joint in scene.joints)
+
+
 def _locate_base_com(link: SceneLink) -> tuple[float, tuple[float, ...]]:
     """Return the mass (kg) and the COM (m) in the base frame; no COM without a pose."""
     inertial = link.inertial or SceneInertia()
-    if not link.world or not inertial.com:
+    pose = link.start or link.world
+    if not pose or not inertial.com:
         return inertial.mass or 0.0, ()
-    rows = (link.world[0:4], link.world[4:8], link.world[8:12])
+    rows = (pose[0:4], pose[4:8], pose[8:12])
     return inertial.mass or 0.0, tuple(
         math.fsum(a * b for a, b in zip(row, (*inertial.com, 1.0), strict=True)) for row in rows
     )

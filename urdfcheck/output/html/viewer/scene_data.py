@@ -17,6 +17,7 @@ from urdfcheck.output.shared.anchors import (
     compute_severity_marks,
     parse_element_key,
 )
+from urdfcheck.output.shared.wording import format_count
 from urdfcheck.rules import load_rules
 
 # Edges of the box and semi-axes of the ellipsoid of uniform density with the moments I1, I2, I3 of a mass m:
@@ -33,6 +34,8 @@ _PART = re.compile(r"/(\w+)")
 _COMPARING = "SYM"
 # In metres: a graphics card computes with seven digits, so that no robot is visible beside anything larger.
 _LARGEST = 1e9
+# Meshes that are named before the rest is counted.
+_MOST_NAMED = 3
 IDENTITY = (1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0)
 
 
@@ -135,9 +138,28 @@ def build_model(
             "contacts": [{"link": link, "point": round_values(point)} for link, point in ground.contacts],
             "support": [round_values(corner) for corner in ground.support],
             "com": round_values(ground.com),
+            "stands": ground.stands,
         },
         "findings": _build_findings(active, scene),
+        "undrawn": _describe_undrawn(scene),
     }
+
+
+def _describe_undrawn(scene: Scene) -> str:
+    """Name the meshes that would be drawn, and are missing or could not be read; empty without any."""
+    shapes = [shape for link in scene.links for shape in link.shapes]
+    role = "visual" if any(shape.role == "visual" for shape in shapes) else "collision"
+    drawn = {
+        shape.mesh: shape.file is not None and bool(scene.meshes[shape.file].drawings)
+        for shape in shapes
+        if shape.role == role and shape.kind == "mesh"
+    }
+    names = [mesh.rpartition("/")[2] for mesh, is_drawn in drawn.items() if not is_drawn]
+    if not names:
+        return ""
+    verbs, more = "is missing or was" if len(names) == 1 else "are missing or were", len(names) - _MOST_NAMED
+    listed = f"{', '.join(names[:_MOST_NAMED])}{f' and {more} more' if more > 0 else ''}"
+    return f"{len(names)} of {format_count(len(drawn), 'mesh file')} {verbs} not read, and not drawn: {listed}"
 
 
 def _build_link(
