@@ -232,7 +232,7 @@ def test_lone_surrogates_of_undecodable_file_names_can_be_written() -> None:
                 findings=(),
                 models=(info(), info(id="2", path="arm.urdf")),
             ),
-            "No errors and no warnings · programs refuse 1 of 2 models: the notes say why",
+            "No errors and no warnings · MuJoCo refuses 1 of 2 models: the notes say why",
         ),
         (
             a_run(finding(severity=Severity.INFO), models=(info(status="failed"),)),

@@ -168,25 +168,33 @@ def _iter_losses(run: Run, model: str, findings: Sequence[Finding]) -> Iterator[
 
 
 def _summarize_losses(run: Run) -> Losses:
-    """Say ``programs refuse 2 of 4 models: why is in the notes (-v)`` of those that lose nothing because of errors and warnings,
-    but because of anything else."""
+    """Say ``MuJoCo refuses 2 of 4 models: why is in the notes (-v)`` of those that lose nothing because of errors and warnings, but
+    because of anything else."""
     by_model: dict[str, list[Finding]] = {info.id: [] for info in run.models if info.status == "checked"}
     for finding in (*run.findings, *run.unrequested):
         for model in finding.subjects_by_model:
             if model in by_model:
                 by_model[model].append(finding)
-    reasons: dict[Reason, list[Verdict]] = {}
+    reasons: dict[Reason, list[list[_Loss]]] = {}
     is_any = False
     for model, findings in by_model.items():
         losses = list(_iter_losses(run, model, findings))
         is_any |= bool(losses)
         if losses and min(loss.reason for loss in losses) > Reason.WARNING:
-            reason = min(loss.reason for loss in losses)
-            reasons.setdefault(reason, []).append(max(loss.verdict for loss in losses))
+            worst = max(loss.verdict for loss in losses)
+            reasons.setdefault(min(loss.reason for loss in losses), []).append(
+                [loss for loss in losses if loss.verdict is worst]
+            )
     clauses = []
-    for reason, verdicts in sorted(reasons.items()):
-        do = "refuse" if min(verdicts) is Verdict.REFUSES else "refuse, or drop a part of,"
-        clauses.append(f"programs {do} {len(verdicts)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}")
+    for reason, models in sorted(reasons.items()):
+        names = list(dict.fromkeys(PROGRAM_NAMES.get(loss.program, loss.program) for some in models for loss in some))
+        is_refused = all(loss.verdict is Verdict.REFUSES for some in models for loss in some)
+        do = (
+            _join_with_verb(names, "refuse")
+            if is_refused
+            else f"{join_with_and(names, _MOST_NAMED)} refuse, or drop a part of,"
+        )
+        clauses.append(f"{does} {len(models)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}")
     return Losses(by_others=" · ".join(clauses), is_any=is_any)
 
 
