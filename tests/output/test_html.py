@@ -278,7 +278,7 @@ def test_no_tick_stands_over_several_models_of_which_one_is_refused(severity: Se
     assert f'<p class="verdict {sign}">' in dict(iter_report_pages(run))["index.html"]
     assert '<p class="verdict ok">' in dict(iter_report_pages(a_run(findings=(), models=two)))["index.html"]
     unread = (info(), info(id="2", path="arm.urdf", status="failed"))
-    assert "programs refuse" not in render(a_run(finding(severity=Severity.INFO, model="2"), models=unread))
+    assert " of 2 models: the notes" not in render(a_run(finding(severity=Severity.INFO, model="2"), models=unread))
 
 
 def test_a_chip_says_that_its_reason_is_not_listed() -> None:

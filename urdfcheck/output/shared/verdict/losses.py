@@ -168,8 +168,8 @@ def _iter_losses(run: Run, model: str, findings: Sequence[Finding]) -> Iterator[
 
 
 def _summarize_losses(run: Run) -> Losses:
-    """Say ``MuJoCo refuses 2 of 4 models: why is in the notes (-v)`` of those that lose nothing because of errors and warnings, but
-    because of anything else."""
+    """Say ``MuJoCo refuses 2 of 4 models: why is in the notes (-v)`` of models that lose nothing because of errors and warnings,
+    but because of anything else."""
     by_model: dict[str, list[Finding]] = {info.id: [] for info in run.models if info.status == "checked"}
     for finding in (*run.findings, *run.unrequested):
         for model in finding.subjects_by_model:
@@ -189,11 +189,8 @@ def _summarize_losses(run: Run) -> Losses:
     for reason, models in sorted(reasons.items()):
         names = list(dict.fromkeys(PROGRAM_NAMES.get(loss.program, loss.program) for some in models for loss in some))
         is_refused = all(loss.verdict is Verdict.REFUSES for some in models for loss in some)
-        do = (
-            _join_with_verb(names, "refuse")
-            if is_refused
-            else f"{join_with_and(names, _MOST_NAMED)} refuse, or drop a part of,"
-        )
+        does = f"{join_with_and(names, _MOST_NAMED)} refuse, or drop a part of,"
+        does = _join_with_verb(names, "refuse") if is_refused else does
         clauses.append(f"{does} {len(models)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}")
     return Losses(by_others=" · ".join(clauses), is_any=is_any)
 
