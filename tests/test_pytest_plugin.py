@@ -108,7 +108,7 @@ def test_the_configuration_and_the_options_are_obeyed(folder: pytest.Pytester) -
 @pytest.mark.parametrize(
     ("option", "says"),
     [
-        ("--urdfcheck-args=--select=nonesuch", "*no rule*'nonesuch'*"),
+        ("--urdfcheck-args=--select=nonesuch", "*'nonesuch' names no rule*"),
         ("--urdfcheck-args=--selct=INR", "*unrecognized arguments: --selct*"),
         ("--urdfcheck-args=--fix", "*--fix has no meaning for tests"),
     ],

@@ -644,7 +644,11 @@ def several(browser: Any, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
         SceneOverlap(("arm", "finger_a"), (0.1, 0.0, 0.3), 0.092),
     )
     ground = SceneGround(
-        height=-0.05, contacts=(), support=((-0.2, -0.1), (0.2, -0.1), (0.0, 0.2)), com=(0.9, 0.0, 0.1)
+        height=-0.05,
+        contacts=(),
+        support=((-0.2, -0.1), (0.2, -0.1), (0.0, 0.2)),
+        com=(0.9, 0.0, 0.1),
+        stands=False,
     )
     moved = ScenePreview(
         code="INR006",
