@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
-from xml.sax import saxutils
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
@@ -48,7 +47,7 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
-from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
 from urdfcheck.source.uses_elsewhere import is_unused
 from urdfcheck.source.xacro.file_contents import has_parts
 from urdfcheck.source.xacro.usage import (
@@ -435,7 +434,7 @@ def _gets_past_with_included(failure: _ExpansionFailure, name: str) -> bool:
         return False
     start = replace(element.span, end=element.span.start)
     for place in _find_in_package(failure.source, name):
-        file = saxutils.quoteattr(str(place.absolute()).replace("$(", "$$(").replace("${", "$${"))
+        file = quote_attribute(str(place.absolute()).replace("$(", "$$(").replace("${", "$${"))
         if _gets_past_with(failure, [Edit(start, "", f"<xacro:include filename={file}/>")]):
             return True
     return False
