@@ -121,7 +121,9 @@ def test_a_wrong_command_line_is_2_and_says_what_to_write(words: list[str], says
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("words", [["--format", "sarf"], ["--fail-on", "never ever"], ["--fial-on", "warning"]])
+@pytest.mark.parametrize(
+    "words", [["--format", "sarf"], ["--format", "it's"], ["--fail-on", "never ever"], ["--fial-on", "warning"]]
+)
 @pytest.mark.usefixtures("one_process")
 def test_a_wrong_value_needs_no_usage(words: list[str], tmp_path: Path) -> None:
     assert urdfcheck("x.urdf", *words, cwd=tmp_path).stderr.count("\n") == 1
