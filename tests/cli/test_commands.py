@@ -299,6 +299,7 @@ def test_a_short_page_is_the_beginning_of_each_section(page: Path) -> None:
     assert headings == [line for line in whole.splitlines() if line in headings]
     assert {"## What it checks", "## Why it matters", "## How to fix"} <= set(headings)
     assert short.count("```") % 2 == 0
+    assert not re.search(r":\n\n(## |The whole page)", short), "it ends before what it announces"
     assert len(short.splitlines()) < 90
 
 
