@@ -291,6 +291,11 @@ def test_no_tick_stands_over_several_models_of_which_one_is_refused(severity: Se
     assert describe_losses(a_run(drops, elsewhere, models=two)).by_others == (
         "Drake refuses, or drops a part of, 2 of 2 models: the notes say why"
     )
+    # Each of two programs refuses one model.
+    here = finding(severity=Severity.INFO, consequences={"mujoco": "refuses"})
+    assert describe_losses(a_run(here, elsewhere, models=two)).by_others == (
+        "MuJoCo or Drake refuses 2 of 2 models: the notes say why"
+    )
     unread = (info(), info(id="2", path="arm.urdf", status="failed"))
     assert " of 2 models: the notes" not in render(a_run(finding(severity=Severity.INFO, model="2"), models=unread))
 

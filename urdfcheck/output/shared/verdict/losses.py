@@ -191,19 +191,28 @@ def _summarize_losses(run: Run) -> Losses:
             reasons.setdefault(min(loss.reason for loss in worst), []).append(worst)
     clauses = []
     for reason, models in sorted(reasons.items()):
-        names = list(dict.fromkeys(PROGRAM_NAMES.get(loss.program, loss.program) for some in models for loss in some))
-        does = _describe_loss(names, {loss.verdict for some in models for loss in some})
-        clauses.append(f"{does} {len(models)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}")
+        clauses.append(
+            f"{_describe_loss(models)} {len(models)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}"
+        )
     return Losses(by_others=" · ".join(clauses), is_any=is_any)
 
 
-def _describe_loss(names: Sequence[str], verdicts: set[Verdict]) -> str:
-    """Return ``MuJoCo refuses``, what follows being the models."""
+def _describe_loss(models: Sequence[Sequence[_Loss]]) -> str:
+    """Say what programs lose of models, whose number follows: ``MuJoCo and Drake refuse``; ``MuJoCo or Drake refuses`` where not
+    all of these models are lost in the same programs."""
+    by_model = [{PROGRAM_NAMES.get(loss.program, loss.program): None for loss in losses} for losses in models]
+    names = list({name: None for some in by_model for name in some})
+    verdicts = {loss.verdict for losses in models for loss in losses}
+    if all(len(some) == len(names) for some in by_model):
+        subject, ending = join_with_and(names, _MOST_NAMED), "s" if len(names) == 1 else ""
+    else:
+        *first, last = names if len(names) <= _MOST_NAMED + 1 else [*names[:_MOST_NAMED], "another program"]
+        subject, ending = f"{', '.join(first)} or {last}", "s"
     if verdicts == {Verdict.REFUSES}:
-        return _join_with_verb(names, "refuse")
+        return f"{subject} refuse{ending}"
     if Verdict.REFUSES not in verdicts:
-        return f"{_join_with_verb(names, 'drop')} a part of"
-    return f"{_join_with_verb(names, 'refuse')}, or {'drops' if len(names) == 1 else 'drop'} a part of,"
+        return f"{subject} drop{ending} a part of"
+    return f"{subject} refuse{ending}, or drop{ending} a part of,"
 
 
 def _list_programs(run: Run, model: str) -> Sequence[str]:
