@@ -14,7 +14,8 @@ _CODE = re.compile(r"[A-Z]{3}\d{3}")
 # The sections of which a short page has the beginning.
 _ABRIDGED = ("What it checks", "Why it matters", "How to fix", "Bad", "When to ignore")
 _EXAMPLE = re.compile(r"^```.*?^```$", re.DOTALL | re.MULTILINE)
-_PARAGRAPH = re.compile(rf"{_EXAMPLE.pattern}|.*?(?=\n\n|\Z)", re.DOTALL | re.MULTILINE)
+# An example, a list or a paragraph.
+_BLOCK = re.compile(rf"\n*({_EXAMPLE.pattern}|[^\n].*?(?=\n\n|\Z))", re.DOTALL | re.MULTILINE)
 
 
 @cache
@@ -79,7 +80,7 @@ def explain_page(page: str) -> str:
 
 
 def abridge_page(page: str) -> str:
-    """Return what a reader in a hurry needs of a page: the first paragraph of each of its sections, and its first example."""
+    """Return what a reader in a hurry needs of a page: how its main sections begin, and its first bad example."""
     import tomli
 
     header, rest = split_page(page)
@@ -88,11 +89,22 @@ def abridge_page(page: str) -> str:
     parts = [title, f"{meta['severity']}, {meta['confidence']} · tags: {', '.join(meta['tags'])}"]
     for heading in _ABRIDGED:
         section = re.search(rf"^## {heading}\n+(.*?)(?=^## |\Z)", rest, re.DOTALL | re.MULTILINE)
-        found = None if section is None else (_EXAMPLE if heading == "Bad" else _PARAGRAPH).search(section[1])
-        if found is not None:
-            parts.append(f"## {heading}\n\n{found[0].rstrip()}")
+        if section is None:
+            continue
+        example = _EXAMPLE.search(section[1]) if heading == "Bad" else None
+        parts.append(f"## {heading}\n\n{_take_beginning(section[1]) if example is None else example[0]}")
     code = title.removeprefix("# ").partition(" ")[0]
     return "\n\n".join((*parts, f"The whole page, with all cases: urdfcheck rule {code} --full"))
+
+
+def _take_beginning(section: str) -> str:
+    """Return the first paragraph of a section; one that ends with a colon has what it announces."""
+    taken: list[str] = []
+    for block in _BLOCK.finditer(section):
+        taken.append(block[1].rstrip())
+        if not taken[-1].endswith(":"):
+            break
+    return "\n\n".join(taken)
 
 
 def describe_on_request(messages: Collection[str], on_request: Iterable[str]) -> str:

@@ -121,7 +121,9 @@ def test_a_wrong_command_line_is_2_and_says_what_to_write(words: list[str], says
     assert "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("words", [["--format", "sarf"], ["--fail-on", "never ever"], ["--fial-on", "warning"]])
+@pytest.mark.parametrize(
+    "words", [["--format", "sarf"], ["--format", "it's"], ["--fail-on", "never ever"], ["--fial-on", "warning"]]
+)
 @pytest.mark.usefixtures("one_process")
 def test_a_wrong_value_needs_no_usage(words: list[str], tmp_path: Path) -> None:
     assert urdfcheck("x.urdf", *words, cwd=tmp_path).stderr.count("\n") == 1
@@ -297,6 +299,7 @@ def test_a_short_page_is_the_beginning_of_each_section(page: Path) -> None:
     assert headings == [line for line in whole.splitlines() if line in headings]
     assert {"## What it checks", "## Why it matters", "## How to fix"} <= set(headings)
     assert short.count("```") % 2 == 0
+    assert not re.search(r":\n\n(## |The whole page)", short), "it ends before what it announces"
     assert len(short.splitlines()) < 90
 
 

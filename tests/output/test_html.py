@@ -55,6 +55,7 @@ from urdfcheck.output.html.rule_markdown import render_markdown
 from urdfcheck.output.html.sections.code_listing import render_code_frame, render_diff
 from urdfcheck.output.html.svg.tree_layout import BOX, WIDEST, lay_out_tree
 from urdfcheck.output.shared.kinematic_forest import build_forest
+from urdfcheck.output.shared.verdict.losses import describe_losses
 
 HOSTILE = "<script>alert(1)</script>\"' onload=x & \u202egnp.\x1b[31m"
 
@@ -277,6 +278,24 @@ def test_no_tick_stands_over_several_models_of_which_one_is_refused(severity: Se
     assert f'<p class="verdict {sign}">' in render(run)
     assert f'<p class="verdict {sign}">' in dict(iter_report_pages(run))["index.html"]
     assert '<p class="verdict ok">' in dict(iter_report_pages(a_run(findings=(), models=two)))["index.html"]
+    # One model is dropped for a note, and refused for another one that is not listed.
+    drops = finding(severity=Severity.INFO, consequences={"drake": "drops it"})
+    refuses = finding(severity=Severity.INFO, consequences={"mujoco": "refuses"})
+    assert (
+        describe_losses(a_run(drops, models=two)).by_others == "Drake drops a part of 1 of 2 models: the notes say why"
+    )
+    assert describe_losses(a_run(drops, models=two, unrequested=(refuses,))).by_others == (
+        "MuJoCo refuses 1 of 2 models: why is in the notes (-v)"
+    )
+    elsewhere = finding(severity=Severity.INFO, model="2", consequences={"drake": "refuses"})
+    assert describe_losses(a_run(drops, elsewhere, models=two)).by_others == (
+        "Drake refuses, or drops a part of, 2 of 2 models: the notes say why"
+    )
+    # Each of two programs refuses one model.
+    here = finding(severity=Severity.INFO, consequences={"mujoco": "refuses"})
+    assert describe_losses(a_run(here, elsewhere, models=two)).by_others == (
+        "MuJoCo or Drake refuses 2 of 2 models: the notes say why"
+    )
     unread = (info(), info(id="2", path="arm.urdf", status="failed"))
     assert " of 2 models: the notes" not in render(a_run(finding(severity=Severity.INFO, model="2"), models=unread))
 

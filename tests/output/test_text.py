@@ -239,9 +239,11 @@ def test_a_long_report_repeats_its_errors_with_their_lines() -> None:
 def test_a_file_that_was_not_checked_at_all_is_told_by_its_name() -> None:
     part = SkippedCheck("ALL", "part.xacro", "is not checked: no model is made of it")
     quiet = SkippedCheck(SkippedCheck.WARNINGS, "old.urdf", "it is kept aside", is_partial=True)
-    lines = render(replace(a_run(), skipped=(part, quiet))).splitlines()
+    silent = SkippedCheck(SkippedCheck.FINDINGS, "older.urdf", "it is an old copy", is_partial=True)
+    lines = render(replace(a_run(), skipped=(part, quiet, silent))).splitlines()
     assert "not checked (part.xacro): no model is made of it" in lines
     assert "warnings not listed (old.urdf): it is kept aside" in lines
+    assert "errors and warnings not listed (older.urdf): it is an old copy" in lines
 
 
 def test_in_brief_what_matters_stands_below_the_infos_of_its_model() -> None:

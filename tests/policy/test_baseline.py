@@ -78,8 +78,12 @@ def test_what_has_become_much_worse_is_reported_again(folder: Path, capsys: pyte
     known.write_text(known.read_text().replace('"excess"', '"note"'))
     robot.write_text(FLAT.format(izz="0.09"))
     assert main([".", "--select", "INR003"]) == OK
-    known.write_text(known.read_text().replace('"note": ', '"excess": "much", "note": '))
-    assert main([".", "--select", "INR003"]) != OK
+    plain = known.read_text()
+    for wrong in ('"much"', "true", "NaN", "1e999", "1" + "0" * 400):
+        known.write_text(plain.replace('"note": ', f'"excess": {wrong}, "note": '))
+        capsys.readouterr()
+        assert main([".", "--select", "INR003"]) == FAILED, wrong
+        assert "not a baseline" in "".join(capsys.readouterr()), wrong
 
 
 def test_it_survives_moved_lines_and_other_folders(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -173,6 +173,29 @@ def test_findings_are_added_to_the_baseline_that_the_command_writes(editor: Edit
     assert editor.texts[file] == wanted.read_text()
 
 
+FLAT = """<robot name="r"><link name="base"/><link name="arm"><inertial><mass value="1"/>
+<inertia ixx="0.01" ixy="0" ixz="0" iyy="0.01" iyz="0" izz="{izz}"/></inertial></link>
+<joint name="j" type="continuous"><parent link="base"/><child link="arm"/><axis xyz="0 0 1"/></joint></robot>"""
+
+
+def test_a_finding_that_has_become_worse_keeps_its_one_entry(editor: Editor, path: Path) -> None:
+    folder = path.parent.parent
+    (folder / "urdfcheck.toml").write_text("")
+    file = folder / "urdfcheck-baseline.json"
+    path.write_text(FLAT.format(izz="0.09"))
+    command("baseline", "write", str(path), "--tier", "source", cwd=folder)
+    wanted = file.read_text()
+    path.write_text(FLAT.format(izz="0.03"))
+    command("baseline", "write", str(path), "--tier", "source", cwd=folder)
+    assert file.read_text() != wanted
+    editor.open(file)
+    editor.type(path, FLAT.format(izz="0.09"))
+    editor.save(path)
+    (action,) = [action for action in ask(editor, path, "INR003") if action.title.startswith("Accept INR003")]
+    apply(editor, action.edit)
+    assert editor.texts[file] == wanted
+
+
 def test_the_page_of_a_rule_is_opened(editor: Editor, path: Path) -> None:
     commands = [action for action in ask_all(editor, path, "KIN002") if isinstance(action, types.Command)]
     (action,) = [command for command in commands if command.title.startswith("Open the page")]

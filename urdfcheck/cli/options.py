@@ -36,8 +36,8 @@ urdfcheck rule lists the rules, urdfcheck rule CODE explains one"""
 
 
 # What argparse says of a value that is not possible; later versions of Python leave out the quotes of the possible ones.
-_CHOICE = re.compile(r"invalid choice: '([^']*)' \(choose from (.*)\)")
-_QUOTED = re.compile(r"[\w-]+")
+_CHOICE = re.compile(r"invalid choice: (['\"])(.*)\1 \(choose from (.*)\)")
+_WORD = re.compile(r"[\w-]+")
 
 
 class CommandParser(argparse.ArgumentParser):
@@ -66,7 +66,7 @@ class CommandParser(argparse.ArgumentParser):
 
         choice = _CHOICE.search(message)
         if choice is not None:
-            near = difflib.get_close_matches(choice[1].lower(), _QUOTED.findall(choice[2]), n=1)
+            near = difflib.get_close_matches(choice[2].lower(), _WORD.findall(choice[3]), n=1)
             return f"; did you mean {near[0]}?" if near else ""
         _, is_unknown, words = message.partition("unrecognized arguments: ")
         found = []

@@ -116,7 +116,8 @@ class Run:
     requested: frozenset[str] = frozenset()
     """Codes of the rules that the command line or the configuration names."""
     unrequested: tuple[Finding, ...] = ()
-    """Notes that were not asked for: no output lists them, but they show what programs do with a model too."""
+    """Notes that were not asked for: they show what programs do with a model too. Only the HTML report lists some of them, those
+    that say why a program refuses it or drops a part of it."""
     more_notes: int = 0
     """By how many notes the report grows that lists the ``unrequested`` ones."""
     postponed: frozenset[str] = frozenset()

@@ -79,7 +79,7 @@ class Baseline:
         """Return how bad the accepted findings of a model are at most, where that is known."""
         excesses: dict[EntryKey, float] = {}
         for name in self._list_names(model):
-            _raise_excesses(excesses, self.excesses.get(name, {}).items())
+            raise_excesses(excesses, self.excesses.get(name, {}).items())
         return excesses
 
     def _list_names(self, model: str) -> tuple[str, ...]:
@@ -123,7 +123,7 @@ def read_baseline(path: Path, root: Path) -> Baseline:
             models={model: _parse_entries(rows) for model, rows in found["models"].items()},
             excesses={model: _parse_excesses(rows) for model, rows in found["models"].items()},
         )
-    except (AttributeError, KeyError, TypeError, ValueError):
+    except (AttributeError, KeyError, OverflowError, TypeError, ValueError):
         raise UrdfcheckError(f"{name}: not a baseline: write it again with urdfcheck baseline write") from None
 
 
@@ -157,11 +157,12 @@ def _parse_excesses(rows: Any) -> dict[EntryKey, float]:
             continue
         if isinstance(excess, bool) or not isinstance(excess, (int, float)) or not math.isfinite(excess):
             raise ValueError(row)
-        _raise_excesses(excesses, [((row["code"], row["subject"], row["message"]), excess)])
+        raise_excesses(excesses, [((row["code"], row["subject"], row["message"]), excess)])
     return excesses
 
 
-def _raise_excesses(excesses: dict[EntryKey, float], more: Iterable[tuple[EntryKey, float]]) -> None:
+def raise_excesses(excesses: dict[EntryKey, float], more: Iterable[tuple[EntryKey, float]]) -> None:
+    """Add how bad entries are to what is known of them: of one entry the worst counts."""
     for key, excess in more:
         excesses[key] = max(excess, excesses.get(key, -math.inf))
 
@@ -204,7 +205,7 @@ def collect_excesses(findings: Iterable[Finding]) -> dict[str, dict[EntryKey, fl
         if not math.isfinite(finding.excess):
             continue
         for model, entries in collect_entries([finding]).items():
-            _raise_excesses(models.setdefault(model, {}), ((key, finding.excess) for key in entries))
+            raise_excesses(models.setdefault(model, {}), ((key, finding.excess) for key in entries))
     return models
 
 

@@ -110,7 +110,7 @@ def mark_suppressed(
         reason = reason or next((Suppression("configuration", e.reason) for e in entries if e.covers(finding)), None)
         # A text of which a macro makes the same element twice becomes one finding, and is one entry of the baseline.
         same = finding.code, finding.message_id, finding.location.span, finding.subjects
-        is_worse = reason is None and _is_worse(finding, baseline_excesses)
+        is_worse = reason is None and _has_become_worse(finding, baseline_excesses)
         if reason is None and not is_worse and (same in taken or _take_baseline_entry(left, finding)):
             taken.add(same)
             reason = Suppression("baseline", "in the baseline")
@@ -177,10 +177,15 @@ def _take_baseline_entry(left: Counter[tuple[str, str, str]], finding: Finding) 
     return True
 
 
-def _is_worse(finding: Finding, excesses: BaselineExcesses) -> bool:
+def _has_become_worse(finding: Finding, excesses: BaselineExcesses) -> bool:
     """Whether a finding is much worse than the baseline accepts it."""
     accepted = (excesses.get((finding.code, subject, finding.message_id)) for subject in finding.subjects)
-    return any(before is not None and finding.excess - before > _WORSE * abs(before) for before in accepted)
+    return any(is_worse(finding.excess, before) for before in accepted)
+
+
+def is_worse(excess: float, accepted: float | None) -> bool:
+    """Whether something is much worse than it was when it was accepted; not if that is unknown."""
+    return accepted is not None and excess - accepted > _WORSE * abs(accepted)
 
 
 def assess_comment(

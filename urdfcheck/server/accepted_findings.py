@@ -16,9 +16,11 @@ from urdfcheck.policy.baseline import (
     collect_entries,
     collect_excesses,
     is_baseline_candidate,
+    raise_excesses,
     read_found_baseline,
     render_baseline,
 )
+from urdfcheck.policy.suppression import is_worse
 from urdfcheck.server.diagnostics import ShownFinding
 from urdfcheck.server.documents import DocumentStore, TextPositions, iter_differences
 from urdfcheck.system.files import overlay_files
@@ -41,16 +43,16 @@ def _make_acceptance(found: ShownFinding, documents: DocumentStore) -> types.Cod
     places = {model: place for project in found.state.answer.projects for model, place in project.baselines.items()}
     added: dict[tuple[str, str], dict[str, Counter[EntryKey]]] = {}
     measured = collect_excesses([found.finding])
-    excesses: dict[str, Mapping[EntryKey, float]] = {}
+    excesses: dict[tuple[str, str], dict[str, Mapping[EntryKey, float]]] = {}
     for model, entries in collect_entries([found.finding]).items():
         place = places.get(model)
         if place is None:
             return None
         added.setdefault((place.file, place.root), {})[place.model] = entries
-        excesses[place.model] = measured.get(model, {})
+        excesses.setdefault((place.file, place.root), {})[place.model] = measured.get(model, {})
     changes: list[types.TextDocumentEdit | types.CreateFile | types.RenameFile | types.DeleteFile] = []
     for (file, root), models in added.items():
-        edits = _edit_baseline(Path(file), Path(root), models, excesses, documents)
+        edits = _edit_baseline(Path(file), Path(root), models, excesses[file, root], documents)
         if edits is None:
             return None
         changes += edits
@@ -83,9 +85,14 @@ def _edit_baseline(
         return None
     known = Baseline(path=file, root=root) if old is None else old
     models = {model: Counter(entries) for model, entries in known.models.items()}
+    worst = {model: dict(entries) for model, entries in known.excesses.items()}
     for model, entries in added.items():
-        models[model] = models.get(model, Counter()) + entries
-    worst = {model: {**known.excesses.get(model, {}), **excesses.get(model, {})} for model in models}
+        before = worst.setdefault(model, {})
+        # What has become worse has its entry.
+        worse = {key for key, excess in excesses[model].items() if is_worse(excess, before.get(key))}
+        more = Counter({key: count for key, count in entries.items() if key not in worse})
+        models[model] = models.get(model, Counter()) + more
+        raise_excesses(before, excesses[model].items())
     positions = TextPositions(known.text, documents.encoding)
     edits = list(iter_differences(positions, render_baseline(models, worst)))
     uri = documents.find_uri(str(file))

@@ -101,7 +101,8 @@ def describe_losses(run: Run) -> Losses:
     """Say what the targets lose of the models, or all programs where there are no targets, and where the report says why."""
     if len(run.models) > 1:
         return _summarize_losses(run)
-    losses = [loss for info in run.models for loss in _iter_losses(run, info.id, [*run.findings, *run.unrequested])]
+    known, unlisted = [*run.findings, *run.unrequested], _collect_unlisted(run)
+    losses = [loss for info in run.models for loss in _iter_losses(run, info.id, known, unlisted)]
     groups: dict[Reason, _Programs] = {}
     for loss in sorted(losses, key=lambda loss: loss.reason):
         # Errors and warnings are counted beside each other.
@@ -135,13 +136,13 @@ def list_refusing_notes(run: Run) -> Run:
     return replace(run, findings=(*run.findings, *listed), unrequested=rest)
 
 
-def find_reason(run: Run, causes: Sequence[Finding]) -> Reason:
-    """Find the most prominent place in which a report has one of the findings that cause something."""
-    unlisted = {id(note) for note in run.unrequested}
-    return min((_classify(finding, id(finding) in unlisted) for finding in causes), default=Reason.NONE)
+def _collect_unlisted(run: Run) -> set[int]:
+    """Collect the identities of the notes on request, which a run may have many of: they are the same for all its models."""
+    return {id(note) for note in run.unrequested}
 
 
 def _classify(finding: Finding, is_unlisted: bool) -> Reason:
+    """Return where a report has a finding."""
     if finding.suppressed is not None:
         return Reason.SUPPRESSED
     if is_unlisted:
@@ -149,8 +150,11 @@ def _classify(finding: Finding, is_unlisted: bool) -> Reason:
     return {Severity.ERROR: Reason.ERROR, Severity.WARNING: Reason.WARNING}.get(finding.severity, Reason.NOTE)
 
 
-def _iter_losses(run: Run, model: str, findings: Sequence[Finding]) -> Iterator[_Loss]:
-    """Yield what each program loses of a model; ``findings`` are those that may be about it, notes on request included."""
+def _iter_losses(run: Run, model: str, findings: Sequence[Finding], unlisted: set[int]) -> Iterator[_Loss]:
+    """Yield what each program loses of a model; ``findings`` are those that may be about it, notes on request included.
+
+    ``unlisted``: see `_collect_unlisted`.
+    """
     known = [finding for finding in findings if model in finding.subjects_by_model]
     answers, wanted = list_answers(run, model), _list_programs(run, model)
     for name, outcome in predict_outcomes(known).items():
@@ -164,7 +168,8 @@ def _iter_losses(run: Run, model: str, findings: Sequence[Finding]) -> Iterator[
         if verdict >= Verdict.DROPS:
             causes = [finding for finding in known if get_verdict(finding.consequences, name) is verdict]
             is_data = all(drops_only_data(finding.consequences.get(name, "")) for finding in causes)
-            yield _Loss(name, verdict, find_reason(run, causes), is_data, version)
+            reason = min((_classify(finding, id(finding) in unlisted) for finding in causes), default=Reason.NONE)
+            yield _Loss(name, verdict, reason, is_data, version)
 
 
 def _summarize_losses(run: Run) -> Losses:
@@ -176,23 +181,38 @@ def _summarize_losses(run: Run) -> Losses:
             if model in by_model:
                 by_model[model].append(finding)
     reasons: dict[Reason, list[list[_Loss]]] = {}
-    is_any = False
+    is_any, unlisted = False, _collect_unlisted(run)
     for model, findings in by_model.items():
-        losses = list(_iter_losses(run, model, findings))
+        losses = list(_iter_losses(run, model, findings, unlisted))
         is_any |= bool(losses)
         if losses and min(loss.reason for loss in losses) > Reason.WARNING:
-            worst = max(loss.verdict for loss in losses)
-            reasons.setdefault(min(loss.reason for loss in losses), []).append(
-                [loss for loss in losses if loss.verdict is worst]
-            )
+            verdict = max(loss.verdict for loss in losses)
+            worst = [loss for loss in losses if loss.verdict is verdict]
+            reasons.setdefault(min(loss.reason for loss in worst), []).append(worst)
     clauses = []
     for reason, models in sorted(reasons.items()):
-        names = list(dict.fromkeys(PROGRAM_NAMES.get(loss.program, loss.program) for some in models for loss in some))
-        is_refused = all(loss.verdict is Verdict.REFUSES for some in models for loss in some)
-        does = f"{join_with_and(names, _MOST_NAMED)} refuse, or drop a part of,"
-        does = _join_with_verb(names, "refuse") if is_refused else does
-        clauses.append(f"{does} {len(models)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}")
+        clauses.append(
+            f"{_describe_loss(models)} {len(models)} of {format_count(len(run.models), 'model')}{_WHERE[reason]}"
+        )
     return Losses(by_others=" · ".join(clauses), is_any=is_any)
+
+
+def _describe_loss(models: Sequence[Sequence[_Loss]]) -> str:
+    """Say what programs lose of models, whose number follows: ``MuJoCo and Drake refuse``; ``MuJoCo or Drake refuses`` where not
+    all of these models are lost in the same programs."""
+    by_model = [{PROGRAM_NAMES.get(loss.program, loss.program): None for loss in losses} for losses in models]
+    names = list({name: None for some in by_model for name in some})
+    verdicts = {loss.verdict for losses in models for loss in losses}
+    if all(len(some) == len(names) for some in by_model):
+        subject, ending = join_with_and(names, _MOST_NAMED), "s" if len(names) == 1 else ""
+    else:
+        *first, last = names if len(names) <= _MOST_NAMED + 1 else [*names[:_MOST_NAMED], "another program"]
+        subject, ending = f"{', '.join(first)} or {last}", "s"
+    if verdicts == {Verdict.REFUSES}:
+        return f"{subject} refuse{ending}"
+    if Verdict.REFUSES not in verdicts:
+        return f"{subject} drop{ending} a part of"
+    return f"{subject} refuse{ending}, or drop{ending} a part of,"
 
 
 def _list_programs(run: Run, model: str) -> Sequence[str]:
