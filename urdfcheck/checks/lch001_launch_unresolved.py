@@ -279,7 +279,10 @@ def _describe_maker(name: str, finder: PackageFinder) -> tuple[str, str] | None:
     maker = None if folder is None else find_maker(path, folder, FileReach.from_paths([folder], []))
     template = None if folder is None or maker is not None else find_template(path, folder)
     if template is not None and finder.can_open(template):
-        return f"the build makes {path.name} of {format_path(template)}", f"build the package, which makes {path.name}"
+        return (
+            f"the build makes {path.name} from {format_path(template)}",
+            f"build the package, which makes {path.name}",
+        )
     if maker is None:
         return None
     how = f"make {path.name} before the launch ({format_path(maker)})"

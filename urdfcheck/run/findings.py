@@ -68,7 +68,9 @@ class FinalFindings:
 
 # What a report says of models that are data of tests, and of those that are kept and not used.
 _FOR_TESTS = "of test data only errors are reported; name the file to see all"
-_KEPT_ASIDE = "nothing is reported of old copies and of files kept in folders such as `old`; name the file to see all"
+_KEPT_ASIDE = (
+    "of old copies and files in folders such as `old` only what stops the check is reported; name the file to see all"
+)
 
 
 def finalize_unit_findings(

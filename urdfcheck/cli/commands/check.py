@@ -105,7 +105,10 @@ def _add_detail_options(parser: argparse.ArgumentParser) -> None:
     """Add the options for how much of the findings is printed."""
     detail = parser.add_mutually_exclusive_group()
     detail.add_argument(
-        "-v", "--verbose", action="store_true", help="print everything about each finding, also about infos"
+        "-v",
+        "--verbose",
+        action="store_true",
+        help="print everything about each finding, also about infos; --fix and --diff then repair these too",
     )
     detail.add_argument(
         "-q", "--quiet", action="store_true", help="a line for each error and warning, failures and the last line only"

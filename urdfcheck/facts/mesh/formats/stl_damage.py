@@ -37,7 +37,9 @@ def make_size_error(data: bytes, declared: int) -> MeshError:
     if not is_whole and _count_bits(data[HEADER + (len(data) - HEADER) // 2 :]) >= _RANDOM_BITS:
         return MeshError("random", f"{claims} but has {len(data):,} bytes, which look encrypted or compressed")
     if lost > 0:
-        return MeshError("wrong-size", f"{claims} but has {len(data):,} bytes, of which the last are not triangles")
+        return MeshError(
+            "wrong-size", f"{claims} but has {len(data):,} bytes, of which the last do not look like triangles"
+        )
     more = f"{claims} but has {-lost:,} more bytes, room for {present:,} triangles"
     return MeshError("no-count" if declared == 0 and is_whole else "wrong-size", more)
 
