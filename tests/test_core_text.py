@@ -82,6 +82,8 @@ def test_only_a_long_text_is_truncated() -> None:
         ("jiont_1", "joint_2", None),
         ("jiont_1", "joint_01", "joint_01"),
         ("upper_arm_link", "arm_link", None),
+        ("arm_0", "arm", "arm"),
+        ("arm_1", "arm", "arm"),
         ("3d_mini_drive.launch", "mini_drive.launch", "mini_drive.launch"),
     ],
 )

@@ -370,6 +370,16 @@ def test_a_missing_file_of_a_submodule_that_is_not_checked_out(tmp_path: Path) -
     assert finding.fix.title == "check out its submodule: `git submodule update --init camera`"
 
 
+def test_a_submodule_with_the_name_of_a_folder_that_has_files_is_not_meant(tmp_path: Path) -> None:
+    folder = tmp_path / "rover"
+    folder.mkdir()
+    (folder / "package.xml").write_text("<package><name>rover</name></package>")
+    (folder / ".gitmodules").write_text('[submodule "rover"]\n\tpath = lib/rover\n\turl = https://git.example/rover\n')
+    finding = only(xacro(folder, '<xacro:include filename="gone.xacro"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert "submodule" not in finding.fix.title
+
+
 def test_a_name_that_is_not_defined_there_either_is_not_meant(tmp_path: Path) -> None:
     text = '<xacro:macro name="m" params="length"/><link name="${lenght}"/>'
     finding = only(xacro(tmp_path, text, {"XAC001"}))

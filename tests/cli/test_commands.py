@@ -75,6 +75,7 @@ def test_a_path_that_does_not_exist_is_2_and_the_others_are_still_checked(folder
         ("urfd/robot.urdf.xacro", "does not exist (did you mean 'urdf/robot.urdf.xacro'?)"),
         ("urdf/Robot.urdf.xacro", "does not exist (did you mean 'urdf/robot.urdf.xacro'?)"),
         ("urdf/a.urdf", "does not exist"),
+        ("urdf/link.urdf", "does not exist"),
         ("nowhere/robot.urdf.xacro", "does not exist"),
         ("load_base:=false", "does not exist; write `--arg load_base:=false` for an argument of xacro"),
         ("name:=a b", "does not exist; write `--arg 'name:=a b'` for an argument of xacro"),
@@ -84,6 +85,7 @@ def test_what_a_path_that_does_not_exist_was_meant_for(tmp_path: Path, typed: st
     (tmp_path / "urdf").mkdir()
     for name in ("robot.urdf.xacro", "b.urdf"):
         (tmp_path / "urdf" / name).write_text(SOUND)
+    (tmp_path / "urdf" / "link.urdf").symlink_to("nothing.urdf")
     done = urdfcheck(typed, cwd=tmp_path)
     assert done.returncode == cli.FAILED
     assert f"not checked: {typed}: {says} ⊘" in " ".join(done.stdout.split())

@@ -9,9 +9,10 @@ from pathlib import Path
 import pytest
 
 from urdfcheck.source.launch import python_launch_file
+from urdfcheck.source.launch.around.passing_files import find_passing_files
 from urdfcheck.source.launch.launch_file import DescriptionSource, Launch, is_included_by_sibling, load_launch
 from urdfcheck.source.launch.python_launch_file import read_python_launch
-from urdfcheck.source.launch.substitutions import UnresolvedReason, evaluate_condition
+from urdfcheck.source.launch.substitutions import UnresolvedReason, evaluate_condition, may_become
 from urdfcheck.source.package.finder import PackageFinder
 
 
@@ -617,3 +618,24 @@ def test_a_python_file_is_read_as_python_reads_it(package: Path, data: bytes, me
     problem = loaded.python.syntax_problem
     assert (problem is None) == (message is None)
     assert problem is None or message in problem.message
+
+
+@pytest.mark.parametrize(
+    ("typed", "text", "may"),
+    [
+        ("$(arg robot)_ip", "ur5_ip", True),
+        ("$(arg robot)_ip", "ur5_port", False),
+        ("[a]", "a", False),
+        # As a regular expression this would not end.
+        ("$(arg a)" * 60 + "_b", "gazebo_simulation_bringup.launch", False),
+    ],
+)
+def test_a_text_with_substitutions_may_become_another(typed: str, text: str, may: bool) -> None:
+    assert may_become(typed, text) is may
+
+
+def test_includes_that_are_not_closed_take_no_time(package: Path) -> None:
+    passing = '<include file="arm.launch"><arg name="a" value="2"/></include>'
+    launch(package, passing + "<include a>" * 40_000, "all.launch")
+    loaded = launch(package, '<launch><arg name="a" default="1"/></launch>', "arm.launch")
+    assert [path.name for path in find_passing_files(loaded, "a")] == ["all.launch"]

@@ -33,9 +33,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         first = uses[0]
         actual = first.resource.actual_spelling or ""
         other = None if first.resource.path is None else moved.get(normalise_path(first.resource.path))
-        is_shared = any(
-            use.attribute.span in right for use in uses
-        )  # by a call of the macro for which the spelling is right
+        # A call of the same macro makes a path of it that is right.
+        is_shared = any(use.attribute.span in right for use in uses)
         edits = [None if other or is_shared else _propose_edit(use, actual, source.files) for use in uses]
         yield rule.finding(
             "case",

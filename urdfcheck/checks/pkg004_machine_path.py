@@ -94,14 +94,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     return rule.finding(
         message,
         at=place.location,
-        # For one release a robot may be expanded on purpose.
-        severity=Severity.INFO
-        if explain_kept_file(source) == KEPT_ASIDE
-        else None
-        if message != "installed"
-        else Severity.INFO
-        if is_kept_output(source)
-        else Severity.WARNING,
+        severity=_get_severity(message, source),
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_propose_edits(place, portable) if message != "installed" else [],
         consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if is_lost else None,
@@ -121,6 +114,13 @@ def _find_installed_path(use: ResourceUse) -> str | None:
     return None if found is None else f"package://{found[0]}/{found[1]}"
 
 
+def _get_severity(message: str, source: Source) -> Severity | None:
+    # For one release a robot may be expanded on purpose.
+    if explain_kept_file(source) == KEPT_ASIDE or (message == "installed" and is_kept_output(source)):
+        return Severity.INFO
+    return Severity.WARNING if message == "installed" else None
+
+
 def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
     """Return the package path of a file in an installed package, or below the name of a dependency or a released package.
 
@@ -137,9 +137,10 @@ def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
     named = [i for i, part in enumerate(parts[:-1]) if part in declared | released]
     if not named or (own is not None and parts[named[-1]] == own.name):
         return None
-    folder, inside = source.finder.find(parts[named[-1]]), "/".join((*parts[named[-1] + 1 :], name))
-    if folder is not None and not os.path.isfile(folder / inside):  # the package is here, and lacks the file
-        return None
+    folder = source.finder.find(parts[named[-1]])
+    place = None if folder is None else folder.joinpath(*parts[named[-1] + 1 :], name)
+    if place is not None and source.finder.can_open(place) and not os.path.isfile(place):
+        return None  # the package is here, and lacks the file
     return f"package://{'/'.join((*parts[named[-1] :], name))}"
 
 

@@ -114,7 +114,7 @@ def _build_finding(goal: _EscapeTarget, rule: Rule, source: Source) -> Finding:
         folder=format_path(goal.folder),
         files=files,
         listed=join_names(files, 2),
-        repair=_describe_repair(first, goal, owner, source.finder, is_above=is_above),
+        repair=_describe_repair(first, goal, owner, source.finder, is_above=is_above) if goal.package else "",
     )
 
 

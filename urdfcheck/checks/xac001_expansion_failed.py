@@ -32,7 +32,7 @@ from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
     find_uninstalled_file,
     index_files,
-    propose_checkout,
+    propose_checkout_around,
     read_defined_macros,
     read_defined_properties,
 )
@@ -660,7 +660,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     if elsewhere is not None:
         repair = f"install its folder (CMakeLists.txt or setup.py), or {correction}"
-    elif checkout := next(filter(None, (propose_checkout(part, failure.source.finder) for part in path.parts)), ""):
+    elif checkout := propose_checkout_around(path, failure.source.finder):
         repair = checkout
     elif not near and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
         repair = f"build {package.name} first, which may make the file; if it does not, {correction}"

@@ -7,6 +7,7 @@ import keyword
 import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity
@@ -93,42 +94,31 @@ def _build_plain_finding(
     texts = [text for _, text, _ in remaining]
     if remaining and _is_left_over(source, texts):
         return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
+    report = partial(rule.finding, at=where, text=_shorten_expression(text), held=held, contents=contents)
     is_handed = bool(remaining) and is_handed_as_it_is(source.path, source.finder)
     if remaining and has_read and source.is_part and not is_handed:
-        return rule.finding(
+        return report(
             "included",
-            at=where,
             severity=Severity.INFO,
             consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
-            text=_shorten_expression(text),
-            held=held,
-            contents=contents,
             repair=_describe_repair(source, texts),
         )
     if remaining and not has_read:
         handed = [place for plugin in root.walk() if plugin.tag == "plugin" for place in _find_all_unexpanded(plugin)]
         is_lost = is_handed or (not source.is_part and _find_undefined_name(texts) is not None)
-        return rule.finding(
+        return report(
             "gazebo",
-            at=where,
             severity=Severity.WARNING if is_lost else Severity.INFO,
             consequences={"gazebo": "loads it; a plugin gets the text as typed"} if remaining[0] in handed else None,
-            text=_shorten_expression(text),
-            held=held,
-            contents=contents,
             repair=_describe_repair(source, texts),
         )
     undefined = _find_undefined_name(texts)
     twin = None if undefined is None or is_handed else find_includer_of_namesake(source, undefined)
     if twin is not None:
-        return rule.finding(
+        return report(
             "twin",
-            at=where,
             severity=Severity.INFO,
             consequences=_predict_mesh_consequences(iter_urdf_elements(root)),
-            text=_shorten_expression(text),
-            held=held,
-            contents=contents,
             name=undefined,
             includer=twin.name,
         )
@@ -143,15 +133,11 @@ def _build_plain_finding(
             count=format_count(len(names), "argument"),
         )
     if remaining:
-        return rule.finding(
+        return report(
             "not_expanded",
-            at=where,
             consequences=_predict_consequences(
                 iter_urdf_elements(root), is_number_missing=any(number for *_, number in remaining)
             ),
-            text=_shorten_expression(text),
-            held=held,
-            contents=contents,
             repair=_describe_repair(source, texts),
         )
     place = next(location for known, location in replaced.items() if known in text)

@@ -95,7 +95,9 @@ def _count_words(name: str) -> Counter[str]:
 
 def _count_places(words: Iterable[str]) -> Counter[str]:
     """Count the words that are places: a number too says which of several parts is meant."""
-    return Counter(word.lstrip("0") if word.isdigit() else word for word in words if word in _PLACES or word.isdigit())
+    return Counter(
+        word.lstrip("0") or "0" if word.isdigit() else word for word in words if word in _PLACES or word.isdigit()
+    )
 
 
 def _find_sides(name: str) -> set[str]:

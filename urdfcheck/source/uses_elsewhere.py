@@ -174,8 +174,8 @@ def read_includers(source: Source) -> dict[str, str]:
 def find_includer_of_namesake(source: Source, name: str) -> Path | None:
     """Find a xacro of the project that includes a file of the model's name from another folder and defines a property or an
     argument: the model is a copy of that file, a part that needs what the xacro defines."""
-    include = re.compile(rf"""<xacro:include\b[^>]*filename=["'][^"'>]*/{re.escape(source.path.name)}["']""")
-    defined = re.compile(rf"""<xacro:(?:property|arg)\b[^>]*name=["']{re.escape(name)}["']""")
+    include = re.compile(rf"""<xacro:include\b[^<>]*filename=["'][^"'>]*/{re.escape(source.path.name)}["']""")
+    defined = re.compile(rf"""<xacro:(?:property|arg)\b[^<>]*\bname=["']{re.escape(name)}["']""")
     files = _iter_project_files(source, (".xacro", ".urdf"))
     return next((path for path, text in files if include.search(text) and defined.search(text)), None)
 
@@ -309,6 +309,7 @@ def find_used_copy(source: Source) -> Path | None:
     return used
 
 
+@lru_cache(maxsize=1)  # several rules ask, some for each finding
 def explain_kept_file(source: Source) -> str:
     """Say why no program of the robot loads a model: it is in a folder of tests, in one of what is kept and not used, or the
     original of another; else empty."""

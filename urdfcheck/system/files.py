@@ -150,11 +150,11 @@ def read_pieces_with_digest(
 
     digest = hashlib.sha256()
     with _open_regular(path) as (file, size, status):
-        note_content(path, status)
+        _note_content(path, status)
         found = read(file, size, digest.update) if size <= limit else None
     if found is None:
         return None
-    note_content(path, status, digest.hexdigest())
+    _note_content(path, status, digest.hexdigest())
     return found, digest.hexdigest()
 
 

@@ -30,7 +30,7 @@ def explain_missing_path(path: Path) -> str:
 
 
 def _find_similar_path(path: Path) -> Path | None:
-    """Return the path that exists and whose names are those of another one, or similar to them."""
+    """Return the path that exists and whose names are those of another one, or similar to them; None for a link to nothing."""
     here = Path(path.anchor)
     for name in path.parts[1 if path.anchor else 0 :]:
         if not os.path.lexists(here / name):
@@ -39,7 +39,7 @@ def _find_similar_path(path: Path) -> Path | None:
                 return None
             name = similar  # noqa: PLW2901
         here /= name
-    return here
+    return None if here == path else here
 
 
 def _find_similar_name(name: str, folder: Path) -> str | None:

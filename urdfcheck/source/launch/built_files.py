@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import fnmatch
+import glob
 import os
 import posixpath
 import re
@@ -50,8 +52,9 @@ def find_maker(path: Path, package: Path, reach: FileReach) -> Path | None:
         if file.name != _CMAKE and file.suffix not in {".cmake", ".sh", ".py"}:
             continue
         names = {Path(name).name for match in _WRITTEN.finditer(text) for name in match.groups() if name}
-        patterns = {name: ".*".join(map(re.escape, _FILLED_IN.split(name))) for name in names if name}
-        written = [name for name, pattern in patterns.items() if re.fullmatch(pattern, path.name)]
+        # A regular expression takes exponential time for many computed parts.
+        patterns = {name: "*".join(map(glob.escape, _FILLED_IN.split(name))) for name in names if name}
+        written = [name for name, pattern in patterns.items() if fnmatch.fnmatchcase(path.name, pattern)]
         is_added = any(f"{path.name}{_XACRO}" in added for added in _XACRO_ADDED.findall(text))
         if is_added or any(_FILLED_IN.sub("", name).partition(".")[0] for name in written):
             return file

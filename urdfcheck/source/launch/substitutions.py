@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import ast
+import fnmatch
+import glob
 import operator
 import re
 import shlex
@@ -249,6 +251,12 @@ def _convert_argument(text: str | None) -> str | int | float | bool:
 def split_substitutions(text: str) -> list[str]:
     """Return what is typed of a text around its substitutions."""
     return re.split(r"\$\([^()]*\)", text)
+
+
+def may_become(typed: str, text: str) -> bool:
+    """Whether a text may be what is left of a typed one when its substitutions have values: ``$(arg robot)_ip``."""
+    # A regular expression takes exponential time for many of them.
+    return fnmatch.fnmatchcase(text, "*".join(map(glob.escape, split_substitutions(typed))))
 
 
 def split_command(text: str) -> tuple[str, ...]:

@@ -189,6 +189,12 @@ def propose_checkout(package: str, finder: PackageFinder) -> str:
     return "" if own is None else f"check out its submodule: `git submodule update --init {shlex.quote(own)}`"
 
 
+def propose_checkout_around(file: Path, finder: PackageFinder) -> str:
+    """Return how the submodule is checked out in whose empty folder a missing file would be; empty if there is none."""
+    proposals = (propose_checkout(folder.name, finder) for folder in file.parents if _is_empty(folder))
+    return next(filter(None, proposals), "")
+
+
 def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
     """Add to a repair that a package may be in a submodule of git which is not checked out: first if a name suggests it."""
     missing = list_missing_submodules(finder)

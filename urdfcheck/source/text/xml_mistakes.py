@@ -392,11 +392,10 @@ def _describe_unclosed(text: str, at: int, opened: list[tuple[str, int]]) -> Xml
     for begin, what, end in kinds:
         if text.startswith(begin, at):
             half = _HALF_COMMENTED.match(text, at) if what == "comment" else None
-            if half is not None and re.search(rf"</{re.escape(half[1])}\s*>", text[half.end() :]):
+            close = half and re.compile(rf"</{re.escape(half[1])}\s*>").search(text, half.end())
+            if half is not None and close is not None:
                 tag = _shorten(half[1])
                 message = f"only the start tag of <{tag}> was made a comment, which has no end; </{tag}> follows"
-                close = re.compile(rf"</{re.escape(half[1])}\s*>").search(text, half.end())
-                assert close is not None  # it was searched for
                 ways = [(f"write `<{tag}` in place of `<!--{tag}`", f"{text[:at]}<{text[at + 4 :]}")]
                 if opened:
                     ways.append((f"write `-->` behind `</{tag}>`", f"{text[: close.end()]}-->{text[close.end() :]}"))

@@ -10,7 +10,7 @@ from pathlib import Path
 
 from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.launch.launch_file import BrokenInclude, list_declared_arguments, load_launch
-from urdfcheck.source.launch.substitutions import split_substitutions
+from urdfcheck.source.launch.substitutions import may_become
 from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
@@ -180,8 +180,7 @@ def takes_arguments(path: Path, include: BrokenInclude, finder: PackageFinder, *
 
 def may_be_declared(name: str, declared: Iterable[str]) -> bool:
     """Whether an argument has one of these names, of which launch files may compute a part: ``$(arg robot)_ip``."""
-    patterns = (".*".join(map(re.escape, split_substitutions(text))) for text in declared)
-    return any(re.fullmatch(pattern, name) for pattern in patterns)
+    return any(may_become(typed, name) for typed in declared)
 
 
 def describe_handing(handed: str, file: Path | None, finder: PackageFinder) -> tuple[str, bool]:

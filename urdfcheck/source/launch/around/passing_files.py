@@ -11,17 +11,17 @@ from pathlib import Path
 
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.passed_arguments import iter_launch_files
-from urdfcheck.source.launch.substitutions import split_substitutions
+from urdfcheck.source.launch.substitutions import may_become
+from urdfcheck.source.model_file import XML_COMMENT
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_text_or_nothing
 
 # So many launch files of a project are read, and so much of each.
 _MOST_LAUNCHES, _MOST_BYTES = 1_000, 500_000
-_INCLUDE = re.compile(r"<include\b([^<>]*[^/<>])>(.*?)</include>", re.DOTALL)
+_INCLUDE = re.compile(r"<include\b([^<>]*[^/<>])>((?:(?!<include\b).)*?)</include>", re.DOTALL)
 _FILE = re.compile(r"\bfile\s*=\s*[\"'](?:\$\(find\s+([^\s()$]+)\s*\))?(?:[^\"'<>]*/)?([^\"'<>/]+)[\"']")
 _PASSED = re.compile(r"<arg\b[^<>]*?\bname\s*=\s*[\"']([^\"'<>]+)[\"']")
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
 
 def find_passing_files(launch: Launch, argument: str) -> list[Path]:
@@ -33,7 +33,7 @@ def find_passing_files(launch: Launch, argument: str) -> list[Path]:
         path
         for path, includes in passing.items()
         if any(
-            argument in names and _may_mean(typed, own) and _may_be_package(named, package, launch.finder)
+            argument in names and may_become(typed, own) and _may_be_package(named, package, launch.finder)
             for named, typed, names in includes
         )
     ]
@@ -44,17 +44,13 @@ def _may_be_package(named: str, own: str, finder: PackageFinder) -> bool:
     return not named or not own or named == own or finder.find(named) is None
 
 
-def _may_mean(typed: str, name: str) -> bool:
-    return re.fullmatch(".*".join(map(re.escape, split_substitutions(typed))), name) is not None
-
-
 @lru_cache(maxsize=1)  # a run asks for each launch file of a project
 def _read_includes(folder: Path, finder: PackageFinder) -> Mapping[Path, list[tuple[str, str, frozenset[str]]]]:
     """Return for each launch file the package, where it is typed, and the file that its includes name, and what they pass."""
     found: dict[Path, list[tuple[str, str, frozenset[str]]]] = {}
     files = (path for path in iter_launch_files(folder, finder) if path.suffix != ".py")
     for path in itertools.islice(files, _MOST_LAUNCHES):
-        text = _COMMENT.sub("", read_text_or_nothing(path, _MOST_BYTES))
+        text = XML_COMMENT.sub("", read_text_or_nothing(path, _MOST_BYTES))
         for attributes, inside in _INCLUDE.findall(text):
             file = _FILE.search(attributes)
             if file is not None:
