@@ -141,7 +141,7 @@ class _GltfDocument:
             if not surface and material.get("extensions"):
                 return None  # described by an extension alone
             red, green, blue, alpha = map(float, surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0)))
-        except (KeyError, IndexError, TypeError, ValueError, AttributeError):
+        except (KeyError, IndexError, TypeError, ValueError, AttributeError, OverflowError):
             return None
         if not all(0.0 <= part <= 1.0 for part in (red, green, blue, alpha)):
             return None
