@@ -83,6 +83,7 @@ def test_tensors_turn_and_move(rpy: Vector, typed: tuple[float, ...], lever: Vec
 def test_a_rotation_has_its_angle() -> None:
     assert_allclose(measure_rotation(make_rotation((0.0, 0.3, 0.0))), 0.3)
     assert measure_rotation(make_rotation((0.0, 0.0, math.pi))) == math.pi
+    assert_allclose(measure_rotation(make_rotation((0.0, 0.0, 1e-9))), 1e-9)
 
 
 def test_frames_are_placed_by_their_parents() -> None:

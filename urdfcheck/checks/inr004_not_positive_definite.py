@@ -219,12 +219,9 @@ def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -
     worst = max(bounds, key=lambda i: abs(components[i]) - bounds[i])
     alone = abs(components[worst]) > bounds[worst]
     a, b = PRODUCTS[worst]
-    shown = next(
-        texts
-        for digits in (*range(4, 17), 17)
-        if (texts := [f"{value:.{digits}g}" for value in (abs(components[worst]), bounds[worst])])[0] != texts[1]
-        or digits == 17
-    )
+    pair = abs(components[worst]), bounds[worst]
+    rounded = ([f"{value:.{digits}g}" for value in pair] for digits in range(4, 18))
+    shown = next((texts for texts in rounded if texts[0] != texts[1]), ["", ""])  # equal ones are not reported alone
     single = {
         "shown": f"-{shown[0]}" if components[worst] < 0.0 else shown[0],
         "limit": shown[1],

@@ -48,7 +48,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
     named = collect_plugin_texts(model) if equal else frozenset()
     kept = find_preserved_names(model) if equal else {}
-    kept_links = named | {sensor.reference for sensor in list_sensors(model)}
+    kept_links = named | {sensor.reference for sensor in list_sensors(model)} if equal else named
     commanded = named | _collect_driven_names(model)
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():

@@ -158,8 +158,7 @@ def add_parallel_axis(tensor: Matrix, mass: float, lever: Vector) -> Matrix:
 
 def measure_rotation(rotation: Matrix) -> float:
     """Measure the angle (rad) of a rotation."""
-    (xx, _, _), (_, yy, _), (_, _, zz) = rotation
-    return math.acos(max(-1.0, min(1.0, (xx + yy + zz - 1.0) / 2.0)))
+    return find_turn(rotation)[1]
 
 
 def find_turn(rotation: Sequence[Sequence[float]]) -> tuple[Vector, float]:

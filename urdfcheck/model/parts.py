@@ -7,7 +7,7 @@ every other rule abstains.
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
@@ -24,6 +24,8 @@ from urdfcheck.source.text.xml import Attribute, Element
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
+
+_T = TypeVar("_T")
 
 MOVING_TYPES = frozenset({"revolute", "continuous", "prismatic", "floating", "planar"})
 _ZERO = (0.0, 0.0, 0.0)
@@ -269,16 +271,12 @@ class DeclaredTensor:
     @property
     def tensor(self) -> Array:
         """(3, 3) in kg m² about the COM, in the axes of the inertial frame."""
-        tensor = self.inertial.tensor
-        assert tensor is not None  # see from_link
-        return tensor
+        return _get_known(self.inertial.tensor)
 
     @property
     def moments(self) -> Vector:
         """The principal moments in kg m², ascending."""
-        moments = self.inertial.moments
-        assert moments is not None  # see from_link
-        return moments
+        return _get_known(self.inertial.moments)
 
     @property
     def texts(self) -> list[str]:
@@ -315,16 +313,12 @@ class CompleteInertial(DeclaredTensor):
     @property
     def pose(self) -> Array:
         """(4, 4), the `placement`."""
-        pose = self.inertial.origin.matrix
-        assert pose is not None  # see from_tensor
-        return pose
+        return _get_known(self.inertial.origin.matrix)
 
     @property
     def tensor_in_link(self) -> Array:
         """(3, 3) in kg m² about the COM, in the axes of the link frame."""
-        tensor = self.inertial.tensor_in_link
-        assert tensor is not None  # see from_tensor
-        return tensor
+        return _get_known(self.inertial.tensor_in_link)
 
     @classmethod
     def from_tensor(cls, declared: DeclaredTensor) -> CompleteInertial | None:
@@ -459,6 +453,12 @@ class Joint:
     @property
     def location(self) -> Location:
         return self.element.location
+
+
+def _get_known(value: _T | None) -> _T:
+    """Return what `DeclaredTensor.from_link` or `CompleteInertial.from_tensor` found to be known."""
+    assert value is not None
+    return value
 
 
 def _read_numbers(

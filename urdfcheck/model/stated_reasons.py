@@ -44,8 +44,7 @@ def has_stated_reason(model: Model, element: Element) -> bool:
         return False
     end = max(file.text.find(f"</{element.tag}", span.start), span.start)
     comments = _COMMENT.findall(file.text, span.start, end)
-    before = _COMMENT_BEFORE.search(file.text[max(0, span.start - _REACH) : span.start])
-    return any(map(_REASON.search, comments if before is None else [*comments, before[1]]))
+    return any(map(_REASON.search, [*comments, _find_comment_before(file.text, span.start)]))
 
 
 def is_called_dummy(model: Model, link: Element) -> bool:
@@ -54,8 +53,13 @@ def is_called_dummy(model: Model, link: Element) -> bool:
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None:
         return False
-    before = _COMMENT_BEFORE.search(file.text[max(0, span.start - _REACH) : span.start])
-    return before is not None and _DUMMY_LINK.search(before[1]) is not None
+    return _DUMMY_LINK.search(_find_comment_before(file.text, span.start)) is not None
+
+
+def _find_comment_before(text: str, place: int) -> str:
+    """Return the comment right before a place; empty if there is none."""
+    before = _COMMENT_BEFORE.search(text[max(0, place - _REACH) : place])
+    return "" if before is None else before[1]
 
 
 def has_reason_above_macro(model: Model, element: Element) -> bool:

@@ -50,13 +50,13 @@ def compute_mesh_moments(vertices: NDArray[np.floating], faces: Indices) -> Mesh
     low, high = compute_bounds(vertices)
     reference, size = (low + high) / 2.0, float((high - low).max())
     # Per column x, y, z: contiguous, and every step below is one pass over numbers in the cache.
-    x, y, z = (column - middle for column, middle in zip(vertices.T, reference, strict=True))
+    # NumPy 1 would compute the difference from a single number in the precision of the column.
+    x, y, z = (np.subtract(*pair, dtype=np.float64) for pair in zip(vertices.T, reference, strict=True))
     flat = 0
     sums = np.zeros((2, 10))  # volume, area: weight, three first and six second moments
     for start in range(0, len(faces), _CHUNK):
-        a, b, c = np.ascontiguousarray(
-            faces[start : start + _CHUNK].T, dtype=np.intp
-        )  # once, and not for each of the nine
+        # Converted once, and not for each of the nine.
+        a, b, c = np.ascontiguousarray(faces[start : start + _CHUNK].T, dtype=np.intp)
         ax, ay, az, bx, by, bz, cx, cy, cz = (np.take(column, corner) for corner in (a, b, c) for column in (x, y, z))
         ux, uy, uz, vx, vy, vz = bx - ax, by - ay, bz - az, cx - ax, cy - ay, cz - az
         nx, ny, nz = uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx

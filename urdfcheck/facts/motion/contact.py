@@ -111,7 +111,9 @@ def _is_on_sole(flat: Array, rises: Array, owners: Indices, *, rounding: float, 
         pivots = flat[(owners == part) & is_lowest]
         if not len(pivots):
             continue
-        distances = np.min([np.linalg.norm(flat[others] - pivot, axis=1) for pivot in pivots], axis=0)
+        distances = np.full(len(others), np.inf)
+        for pivot in pivots:  # one at a time: a mesh may have thousands of each
+            np.minimum(distances, np.linalg.norm(flat[others] - pivot, axis=1), out=distances)
         is_touching[others] = rises[others] <= slope * distances
     return is_touching
 

@@ -321,14 +321,16 @@ def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
 
 def _pass_each_other(one: Joint, other: Joint, flipped: Sequence[int]) -> bool:
     """Whether two slides move along one of two coordinates of their parent, and are apart in the other."""
-    directions = []
+    along = set()
     for joint in (one, other):
         frame = joint.origin.matrix
         if joint.type != "prismatic" or joint.axis is None or frame is None:
             return False
-        directions.append(np.abs(frame[:3, :3] @ joint.axis))
-    along = {int(direction.argmax()) for direction in directions if direction.max() > 1 - _PARALLEL}
-    return len(along) == 1 and len(directions) == 2 and along <= set(flipped)
+        direction = np.abs(frame[:3, :3] @ joint.axis)
+        if not direction.max() > (1 - _PARALLEL) * float(np.linalg.norm(direction)):
+            return False
+        along.add(int(direction.argmax()))
+    return len(along) == 1 and along <= set(flipped)
 
 
 def _measure_mismatch(model: Model, one: Joint, other: Joint, linear: Array) -> float:

@@ -8,7 +8,7 @@ from itertools import permutations, product
 
 from urdfcheck.core import Edit, Located
 from urdfcheck.core.records import dataclass
-from urdfcheck.facts.small_matrices import IDENTITY, Matrix, Placement, list_entries, multiply, transpose
+from urdfcheck.facts.small_matrices import IDENTITY, Matrix, Placement, measure_rotation, multiply, transpose
 from urdfcheck.model.parts import Link, Shape, is_dummy_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
@@ -191,8 +191,8 @@ def _measure_angle(shape: Shape, turn: Matrix) -> float:
     if shape.kind in {"cylinder", "capsule"}:
         return math.asin(min(1.0, math.hypot(turn[0][2], turn[1][2])))
     if shape.kind != "box":
-        return _measure_rotation(turn)
-    return min(_measure_rotation(multiply(turn, symmetry)) for symmetry in _generate_box_symmetries(shape.size or ()))
+        return measure_rotation(turn)
+    return min(measure_rotation(multiply(turn, symmetry)) for symmetry in _generate_box_symmetries(shape.size or ()))
 
 
 def _generate_box_symmetries(size: tuple[float, ...]) -> Iterator[Matrix]:
@@ -204,8 +204,3 @@ def _generate_box_symmetries(size: tuple[float, ...]) -> Iterator[Matrix]:
                     rows = zip(signs, (IDENTITY[axis] for axis in order), strict=True)
                     first, second, third = ((sign * x, sign * y, sign * z) for sign, (x, y, z) in rows)
                     yield first, second, third
-
-
-def _measure_rotation(turn: Matrix) -> float:
-    # The chord from the identity: unlike the arc cosine of the trace, it keeps small angles.
-    return 2 * math.asin(min(1.0, math.dist(list_entries(turn), list_entries(IDENTITY)) / math.sqrt(8)))

@@ -67,8 +67,8 @@ def drop_causes_of_bounds(
 
 
 def _is_weak(model: Model, link: Link, declared: DeclaredInertial, diagnosis: Diagnosis) -> bool:
-    drawn = measure_link_geometry(model, link)
-    if diagnosis.cause is None or drawn is None:
+    drawn = None if diagnosis.cause is None else measure_link_geometry(model, link)
+    if drawn is None:
         return False
     if diagnosis.judged_by == "twin":  # a collision shape only bounds both
         return explain_collision_stand_in(model, link) is None and _is_twin_far(declared, drawn, diagnosis)
@@ -124,8 +124,11 @@ def _is_unit_by_chance(
 ) -> bool:
     """Whether a unit fits one link of a file whose other links fit neither it nor their drawings, and not to the part's own
     tensor: of many wrong numbers, one is about right in some unit."""
-    one, drawn = found[name], measure_link_geometry(model, model.link_by_name[name])
-    if one.cause not in _UNITS or one.judged_by != "mesh" or one.unique or one.mended is None or drawn is None:
+    one = found[name]
+    if one.cause not in _UNITS or one.judged_by != "mesh" or one.unique or one.mended is None:
+        return False
+    drawn = measure_link_geometry(model, model.link_by_name[name])
+    if drawn is None:
         return False
     uniform = compute_solid_inertia(drawn.solid, one.mended.mass)
     if float(np.linalg.norm(one.mended.inertia - uniform)) <= _OWN_TENSOR * float(np.linalg.norm(uniform)):

@@ -60,11 +60,11 @@ def are_absorbed(model: Model, links: Sequence[Link]) -> bool:
 def _is_absorbed(model: Model, link: Link, wrong: set[str]) -> bool:
     joint, moved = _find_moved_links(model, link.name)
     numbers = _list_numbers(model, link)
+    if len(numbers) != 2:
+        return False  # nothing is drawn, or nothing can be read
     if joint is None:  # the wheels of a base turn with it
         moved = [one.name for one in model.links]
     others = [_list_numbers(model, model.link_by_name[name]) for name in moved if name not in wrong]
-    if len(numbers) < len(("written", "drawn")):
-        return False
     rest = [numbers[1], *(min(some, key=_get_size) for some in others if np.isfinite(some[0][2]).all())]
     total = sum(mass for mass, _, _ in rest)
     com = sum((mass * place for mass, place, _ in rest), np.zeros(3)) / total

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core import FactUnavailableError
-from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments, compute_triangle_excess
+from urdfcheck.facts.inertials.inertia_tensor import compute_principal_moments
+from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import DeclaredTensor
 from urdfcheck.model.rigid_bodies import is_point_mass
@@ -38,7 +39,7 @@ def find_rotor_inertias(model: Model) -> frozenset[str]:
     broken = [
         declared
         for declared in model.tensors
-        if not is_point_mass(declared.inertial) and -compute_triangle_excess(declared.tensor) > _LEAST_EXCESS
+        if not is_point_mass(declared.inertial) and -compute_excess(declared.moments) > _LEAST_EXCESS
     ]
     if len(broken) < _FEWEST_LINKS:
         return frozenset()

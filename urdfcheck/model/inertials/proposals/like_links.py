@@ -135,13 +135,15 @@ def find_agreeing_twin(model: Model, link: Link) -> tuple[str, DeclaredInertial]
     """Find the link on the other side with the same mass and the mirrored COM, and its numbers in this link's frame; None where
     there is none."""
     own = read_declared_inertial(link)
+    if own is None:
+        return None
     try:
         pairs = [pair for pair in mirror_pairs(model) if link.name in {pair.one, pair.other}]
     except FactUnavailableError:
         return None
     for pair in pairs:
-        image = None if own is None else estimate_from_twin(model, link, [pair])
-        if own is None or image is None or abs(image.mass - own.mass) > _SAME_EXPORT * own.mass:
+        image = estimate_from_twin(model, link, [pair])
+        if image is None or abs(image.mass - own.mass) > _SAME_EXPORT * own.mass:
             continue
         size = float(np.sqrt(max(0.0, float(np.trace(image.tensor))) / (2.0 * image.mass)))
         if float(np.linalg.norm(image.com - own.com)) <= _SAME_PLACE * size:
