@@ -40,12 +40,17 @@ def find_mesh_colors(path: Path, facts: MeshFacts, finder: PackageFinder) -> tup
 
 
 def _iter_libraries(names: tuple[str, ...], document: Path, finder: PackageFinder) -> Iterator[dict[str, Color | None]]:
-    """Yield the colours of each library that exists and may be opened."""
+    """Yield the colours of each library that exists and may be opened, once in whatever spellings it is named."""
     from urdfcheck.facts.mesh.formats.obj_materials import parse_material_library
 
+    seen: set[Path] = set()
     for line in names:
         # One file whose name has blanks, or several files.
         for name in dict.fromkeys((line, *line.split())):
             resource = finder.resolve_resource(name, document.parent)
-            if resource.path is not None and resource.exists and resource.allowed:
+            if resource.path is None or not resource.exists or not resource.allowed:
+                continue
+            path = resource.path.resolve()
+            if path not in seen:
+                seen.add(path)
                 yield parse_material_library(read_text_or_nothing(resource.path, MAX_LIBRARY))

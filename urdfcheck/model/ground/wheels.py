@@ -28,7 +28,7 @@ _TILTED = 0.26
 _NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
 # Wheels of radii that differ by more are not one pair; nor are wheels less than this share of whose distance is along the axle.
 _ONE_SIZE, _BESIDE = 1.5, 0.7
-# Copies of one wheel have its radius and width within this share, and its height within this share of the radius.
+# Copies of one wheel have its radius and width within this share, and its height within this share of the radius (chosen).
 _SAME_SIZE, _SAME_HEIGHT = 0.01, 0.1
 
 

@@ -31,9 +31,10 @@ _OF_PIECES = frozenset({"steiner_missing", "own_missing", "one_piece"})
 # A mass and a tensor with so many digits each were computed together: nobody typed one of them later. What is not drawn, or a
 # second material, changes a size by less than this share.
 _EXPORTED_DIGITS, _OTHER_MATERIAL = 12, 0.25
-# The units that programs write are those of all links of a file: one link shows one by the tensor of its part, to this share.
+# The units that programs write are those of all links of a file: one link shows one by the tensor of its part, to this share
+# (chosen).
 _UNITS, _OWN_TENSOR = frozenset({"inertia_unit", "mass_unit", "units"}), 0.1
-# Primitives that stand for a part bound it. What is off them by less than this factor may be the rest of the part.
+# Primitives that stand for a part bound it. What is off them by less than this factor may be the rest of the part (chosen).
 _BOUNDED = 10.0
 # Mistakes of signs: the magnitudes are the twin's, right or wrong.
 _OF_SIGNS = frozenset({"unmirrored", "products_sign", "one_sign"})

@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 # Numbers that were typed alike.
 _SAME = 1e-9
 # Two exports of one part agree in the mass and, relative to the largest moment, in each number to this share, and in the COM to
-# this share of the radius of gyration.
+# this share of the radius of gyration (chosen).
 _SAME_EXPORT, _SAME_PLACE = 0.01, 0.02
-# What products of rotation matrices leave of a zero, and the factor up to which a motor or a screw explains a moment.
+# What products of rotation matrices leave of a zero, and the factor up to which a motor or a screw explains a moment (chosen).
 _ROUNDING, _SIMILAR = 1e-6, 2.0
 
 
