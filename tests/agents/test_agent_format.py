@@ -37,7 +37,7 @@ def test_each_finding_has_an_id_a_place_evidence_and_its_edit(car: Run) -> None:
 
 def test_the_claim_comes_first_and_the_worst_finding_after_it(car: Run) -> None:
     text = render(car, "agent")
-    assert text.startswith("1 error in 1 of 2 models · Drake refuses 2 of 2 models: why is in the notes (-v).\n\n[")
+    assert text.startswith("1 error in 1 of 2 models · Drake refuses 2 of 2 models: the notes say why.\n\n[")
     severities = [Severity[word.upper()] for _, word, _, _ in HEAD.findall(text)]
     assert severities == sorted(severities, reverse=True)
 

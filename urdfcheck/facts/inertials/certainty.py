@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 EXACT = 0.06
 # A tensor is that of another mass where its three second moments have one ratio to the reference's, to within 2 %.
 PROPORTIONAL = 0.02
+# Its COM is the drawn part's own, to within this share of the part's radius of gyration. Of 30,000 random castings with one to
+# three lumps inside, 28 have such a tensor and a COM within `EXACT`; 3 of these have such a COM.
+_SAME_COM = 0.02
 # Beyond this a part would need most of its mass in one place: COM a radius of gyration away, or second moments five times less.
 FAR = 1.6
 # A COM or a tensor this near the reference's belongs to a part of uniform density: then the other has to agree as well.
@@ -145,7 +148,7 @@ def _is_convincing(ranking: Ranking, reference: Reference, *, is_habit: bool = F
         return False
     if best.id == "other_mass":  # any tensor fits a sphere of some mass, and a motor changes the size as a mass does
         moments = np.linalg.eigvalsh(ranking.numbers[0].tensor)
-        equal = tensor_mismatch < PROPORTIONAL and com_mismatch < EXACT
+        equal = tensor_mismatch < PROPORTIONAL and com_mismatch < _SAME_COM
         return equal and bool(moments[-1] - moments[0] > _NOT_A_SPHERE * moments[-1])
     if twin is not None:  # the reference is not a uniform solid, but the numbers as they should be
         return worst < EXACT
