@@ -171,6 +171,9 @@ def large(hostile: Path) -> None:
     for name, text in texts.items():
         (hostile / name).mkdir()
         (hostile / name / "robot.urdf").write_text(text)
+    (hostile / "shape-comments").mkdir()
+    (hostile / "shape-comments" / "robot.urdf").write_text('<robot name="r">\n' + "<!-- " * 200_000 + "\n</robot>\n")
+    (hostile / "shape-comments" / "robot.launch").write_text("<launch>" + "<!-- " * 200_000 + "</launch>\n")
     (hostile / "shape-includes").mkdir()
     (hostile / "shape-includes" / "robot.urdf.xacro").write_text(
         '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">' + "<xacro:include " * 50_000 + "</robot>\n"

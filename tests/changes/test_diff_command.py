@@ -176,6 +176,21 @@ def test_a_version_that_gives_no_robot_fails(folder: Path, text: str, said: str,
 
 
 @pytest.mark.usefixtures("one_process")
+def test_what_a_broken_version_had_is_not_gone(folder: Path) -> None:
+    names = '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">\n  <xacro:arg name="side" default="left"/>'
+    before = ARM.replace('<robot name="arm">', names).replace('ixx="0.0006"', 'ixx="0.006"')
+    write(folder / "old/arm.urdf.xacro", before)
+    write(folder / "new/arm.urdf.xacro", before.replace("</robot>", "<xacro:absent/></robot>"))
+    found = validate(command("diff", "old", "new", "--format", "json", *QUICK, cwd=folder).stdout)
+    assert found["seams"] == []
+    assert isinstance(counts := found["findings"], dict)
+    assert [finding["code"] for finding in counts["new"]] == ["XAC001"]
+    assert (counts["gone"], counts["unchanged"], counts["unchecked"]) == ([], 0, 1)
+    text = command("diff", "old", "new", *QUICK, cwd=folder).stdout
+    assert "findings: 1 new, 0 gone, 0 unchanged, 1 cannot be told (the model is not checked now)\n" in text
+
+
+@pytest.mark.usefixtures("one_process")
 def test_a_path_that_does_not_exist_fails(folder: Path) -> None:
     done = command("diff", "a.urdf", "absent.urdf", cwd=folder)
     assert (done.returncode, done.stdout) == (FAILED, "")

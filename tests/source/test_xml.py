@@ -356,9 +356,17 @@ def test_a_repair_fits_what_is_wrong(text: str, repair: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("text", "forgiven"), [("<a><!-- <!-- --> --></a>", True), ("<a></a><!-- <!-- --> -->", False)]
+    ("text", "forgiven"),
+    [
+        ("<a><!-- <!-- --> --></a>", True),
+        ("<a></a><!-- <!-- --> -->", False),
+        ("<a><!-- <!-- </a>", False),
+        ("<a><!-- -- --></a>", True),
+        ("<a><!-- -- </a>", False),
+        ("<a><!-- -- --><b></a>", False),
+    ],
 )
-def test_tinyxml2_forgives_a_comment_in_a_comment_before_the_end(text: str, forgiven: bool) -> None:
+def test_tinyxml2_forgives_hyphens_in_a_comment_that_ends_before_the_root_does(text: str, forgiven: bool) -> None:
     assert refusal(text).data["forgiven"] is forgiven
 
 

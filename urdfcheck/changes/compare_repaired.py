@@ -8,7 +8,7 @@ from dataclasses import replace
 from urdfcheck.changes.compare_versions import compare_versions
 from urdfcheck.core import Finding, Run
 from urdfcheck.core.findings import iter_occurrences
-from urdfcheck.core.model_diff import Diff, FindingsDiff, ReportedStep
+from urdfcheck.core.model_diff import Diff, ReportedStep
 from urdfcheck.core.text import format_count
 from urdfcheck.run.jobs import Request
 from urdfcheck.run.pipeline import IN_WORKERS, Execution
@@ -40,7 +40,7 @@ def compare_repaired(
     )
     return replace(
         diff,
-        findings=FindingsDiff(new=new, gone=gone, unchanged=diff.findings.unchanged),
+        findings=replace(diff.findings, new=new, gone=gone),
         steps=tuple(steps),
         notes=(*diff.notes, *((note,) if left_out else ())),
     )

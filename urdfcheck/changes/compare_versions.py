@@ -67,6 +67,8 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         pair.before.info.id: pair.after.info.id for pair in pairs if pair.before is not None and pair.after is not None
     }
     ids |= _pair_units(first, second, ids)
+    # What the file of an unread model declares is not known.
+    unread = {pair.before.info.id for pair in pairs if pair.before is not None and _has_unread_side(pair)}
     names = {model.before: model.mechanism.new_names for model in models if model.mechanism is not None}
     runs = (first.audited.outcome, second.audited.outcome)
     return Diff(
@@ -74,7 +76,7 @@ def compare_versions(before: Request, after: Request, execution: Execution = IN_
         after=format_path(after.paths[0]),
         models=models,
         findings=compare_findings(*runs, ids, names),
-        seams=_compare_seams(first, second, ids, names),
+        seams=_compare_seams(first, second, {unit: other for unit, other in ids.items() if unit not in unread}, names),
         failures=_list_failures(first, second, models),
         version=__version__,
         files=frozenset(
@@ -306,6 +308,11 @@ def _describe_lone(pair: ModelPair) -> ModelDiff:
         mechanism=None,
         matched_by=pair.matched_by,
     )
+
+
+def _has_unread_side(pair: ModelPair) -> bool:
+    """Whether one of two versions of a model gives no robot."""
+    return any(side is not None and side.mechanism is None for side in (pair.before, pair.after))
 
 
 def _make_unknown(pair: ModelPair, problem: str) -> ModelDiff:

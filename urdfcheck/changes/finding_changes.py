@@ -30,10 +30,14 @@ def compare_findings(
     news = list(_iter_keys(after, {}, {}))
     old_counts, new_counts = Counter(key for key, _ in olds), Counter(key for key, _ in news)
     common = old_counts & new_counts
+    unchecked = {info.id for info in after.models if info.not_checked is not None}
+    left = old_counts - common
+    gone = Counter({key: count for key, count in left.items() if key[0] not in unchecked})
     return FindingsDiff(
         new=_select_surplus(news, new_counts - common),
-        gone=_select_surplus(olds, old_counts - common),
+        gone=_select_surplus(olds, gone),
         unchanged=common.total(),
+        unchecked=left.total() - gone.total(),
     )
 
 

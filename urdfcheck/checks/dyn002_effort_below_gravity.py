@@ -23,6 +23,7 @@ from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_ca
 from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.source.text.values import parse_number, read_attribute_number
+from urdfcheck.source.text.xml import COMMENT
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -42,7 +43,6 @@ _OUTSIDE, _MISPLACED_SHARE = 0.1, 0.1
 _KNOWN_SHARE = 0.9
 # The most poses, as a share, in which a documented limit may be too small for the robot: chosen.
 _MOST_POSES = 0.5
-_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _EFFORT_WITH_UNIT = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)\s*(?:Nm?|N[·.*]m)\b")
 
 
@@ -139,7 +139,7 @@ def _is_documented(model: Model, load: Overload) -> bool:
     if span is None or file is None:
         return False
     end = file.text.find("</joint", span.start)
-    comments = " ".join(_COMMENT.findall(file.text, span.start, max(end, span.start)))
+    comments = " ".join(COMMENT.findall(file.text, span.start, max(end, span.start)))
     effort = load.joint.get_limit_value("effort")
     return any(parse_number(typed) == effort for typed in _EFFORT_WITH_UNIT.findall(comments))
 

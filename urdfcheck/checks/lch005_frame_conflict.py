@@ -20,10 +20,10 @@ from urdfcheck.model.shapes.extent import find_lowest_point
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.node_graph import build_launch_scene
 from urdfcheck.source.launch.static_transforms import StaticTransform
-from urdfcheck.source.model_file import XML_COMMENT
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
 
 # Numbers that were rounded differ by less: degrees and metres.
@@ -31,7 +31,7 @@ _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
 # The line that the SolidWorks exporter writes into its gazebo.launch, whatever the robot is.
 _EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
 # What else is not a use of its frame: the line itself in another launch file of the exporter, and a comment.
-_NO_USE = re.compile(r"base_link\s+base_footprint\b|<!--.*?-->", re.DOTALL)
+_NO_USE = re.compile(r"base_link\s+base_footprint\b|<!--.*?(?:-->|\Z)", re.DOTALL)
 # The model that a launch file hands to Gazebo as a file, and what of a model may publish odometry.
 _SPAWNED = re.compile(r"(?<![\w-])-file\s+\$\(find\s+([\w.-]+)\s*\)/([^\s$\"'<>]+\.(?:urdf|xacro))\b", re.IGNORECASE)
 _ODOMETRY = re.compile(r"odom|drive|footprint", re.IGNORECASE)
@@ -200,7 +200,7 @@ def _lacks_frames(launch: Launch, transform: StaticTransform) -> bool:
     path = None if folder is None else folder / inside
     if path is None or not launch.finder.can_open(path) or not path.is_file():
         return False
-    text = XML_COMMENT.sub("", read_text_or_nothing(path, _LARGEST))
+    text = COMMENT.sub("", read_text_or_nothing(path, _LARGEST))
     has_parts = "<link" in text and "<xacro:" not in text
     is_named = any(f'"{name}"' in text or f"'{name}'" in text for name in (transform.parent, transform.child))
     return has_parts and not is_named and _ODOMETRY.search(text) is None

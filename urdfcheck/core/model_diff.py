@@ -194,6 +194,8 @@ class FindingsDiff:
     new: tuple[Finding, ...] = ()
     gone: tuple[Finding, ...] = ()
     unchanged: int = 0
+    unchecked: int = 0
+    """Findings of the first version in models that the second does not check: they may still be there."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

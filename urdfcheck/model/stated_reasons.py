@@ -7,9 +7,8 @@ import re
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.robot import Model
-from urdfcheck.source.text.xml import Attribute, Definition, Element
+from urdfcheck.source.text.xml import COMMENT, Attribute, Definition, Element
 
-_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 # A comment that ends where the element begins, and one that begins where a value of its line ends.
 _COMMENT_BEFORE = re.compile(r"<!--((?:(?!-->).)*)-->\s*\Z", re.DOTALL)
 _COMMENT_BEHIND = re.compile(r"[^\r\n<]*<!--(.*?)-->", re.DOTALL)
@@ -43,7 +42,7 @@ def has_stated_reason(model: Model, element: Element) -> bool:
     if span is None or file is None:
         return False
     end = max(file.text.find(f"</{element.tag}", span.start), span.start)
-    comments = _COMMENT.findall(file.text, span.start, end)
+    comments = COMMENT.findall(file.text, span.start, end)
     return any(map(_REASON.search, [*comments, _find_comment_before(file.text, span.start)]))
 
 
@@ -114,7 +113,9 @@ def has_commented_child(model: Model, element: Element, tag: str) -> bool:
         return False
     name = re.escape(tag)
     child = re.compile(rf"<{name}[\s>]|\A{name}(?:>|\s+\w+=)")
-    for found in re.compile(rf"<!--(.*?)-->|</{re.escape(element.tag)}\b", re.DOTALL).finditer(file.text, span.end):
+    for found in re.compile(rf"<!--(.*?)(?:-->|\Z)|</{re.escape(element.tag)}\b", re.DOTALL).finditer(
+        file.text, span.end
+    ):
         if found[1] is None:
             return False
         if child.search(found[1]):

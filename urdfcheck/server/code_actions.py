@@ -25,7 +25,7 @@ FIX_ALL = f"{types.CodeActionKind.SourceFixAll.value}.{SOURCE}"
 # The command that shows the page of a rule.
 OPEN_RULE = "urdfcheck.openRule"
 _TAG = re.compile(r"<(?![/!?])[^<>]*", re.DOTALL)
-_COMMENT = re.compile(r"<!--.*?-->|<!\[CDATA\[.*?\]\]>", re.DOTALL)
+_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)|<!\[CDATA\[.*?(?:\]\]>|\Z)", re.DOTALL)
 _HASH_SUFFIXES = (".yaml", ".yml", ".py", ".txt")
 
 

@@ -13,9 +13,9 @@ from urdfcheck.export.index.source_index import JOINT, LINK, MACRO, SourceIndex
 from urdfcheck.server.diagnostics import ShownFinding
 from urdfcheck.server.documents import DocumentStore, OpenDocument, TextPositions
 from urdfcheck.server.index_store import IndexStore, IndexView, find_real_path
+from urdfcheck.source.text.xml import COMMENT
 
 _ROOT = re.compile(r"<robot\b")
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _END_OF_MACRO = "</xacro:macro"
 
 
@@ -54,7 +54,7 @@ def _is_of(index: SourceIndex, document: OpenDocument) -> bool:
 
 def _find_root(text: str) -> int | None:
     """Return the offset of the root tag."""
-    bare = _COMMENT.sub(lambda comment: " " * len(comment[0]), text)
+    bare = COMMENT.sub(lambda comment: " " * len(comment[0]), text)
     match = _ROOT.search(bare)
     return None if match is None else match.start()
 

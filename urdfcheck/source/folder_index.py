@@ -17,7 +17,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names, find_nearest_name
 from urdfcheck.source.include_graph import IncludeGraph, UserTable, iter_bits
-from urdfcheck.source.model_file import EXPRESSION, XML_COMMENT, ModelFile, find_file_names, may_compute_name
+from urdfcheck.source.model_file import EXPRESSION, ModelFile, find_file_names, may_compute_name
 from urdfcheck.source.package.file_kinds import CONFIG_FOLDERS, is_launch, is_model, is_srdf, is_xacro
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import (
@@ -31,6 +31,7 @@ from urdfcheck.source.package.package_folders import (
     read_package_texts,
 )
 from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.system.git import list_ignored
 
 # Limit on the file names that are compared with the patterns of includes: beyond it a file counts as not included, and is
@@ -276,7 +277,7 @@ class FolderIndex:
         for top in self.packages or [self.path]:
             for path, text in iter_package_texts(top, self.finder.can_open):
                 if not self._is_in_tests(path):
-                    names.update(find_file_names(XML_COMMENT.sub("", text)))
+                    names.update(find_file_names(COMMENT.sub("", text)))
         return frozenset(names)
 
     def may_be_part(self, path: Path) -> bool:

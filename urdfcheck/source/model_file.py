@@ -13,7 +13,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.file_kinds import is_srdf, is_xacro
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.root_attributes import read_root_attributes
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import (
     can_stand_alone,
     defines_macros,
@@ -42,8 +42,6 @@ _FILE_NAME = re.compile(r"""[^\s"'<>/\\=,;()\[\]{}$:*?|]+\.[A-Za-z][A-Za-z0-9_]*
 _FOLDERS = (
     r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/)?((?:[\w.-]+/)*)"""
 )
-# Comments in XML.
-XML_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 # The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
 _SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
 _OF_ROS = re.compile(r"<(?:launch|node|include|param|rosparam|arg|group|robot)[\s>/]")
@@ -200,21 +198,21 @@ _examine_known_text = lru_cache(maxsize=256)(_examine_text)
 
 def _is_foreign(text: str) -> bool:
     """Whether a xacro file without a robot makes something for another program: a world for Gazebo, or what has a grammar."""
-    match = _FIRST_TAG.search(XML_COMMENT.sub("", text))
+    match = _FIRST_TAG.search(COMMENT.sub("", text))
     return "<!DOCTYPE" in text or (match is not None and match[1] in _FOREIGN_ROOTS)
 
 
 def find_placeholder(text: str) -> str:
     """Return the first text in a file that a generator fills in before any program reads it; empty if it is not a template."""
     patterns = [pattern for mark, pattern in _PLACEHOLDERS if mark in text and pattern.search(text)]
-    bare = XML_COMMENT.sub("", text) if patterns else ""
+    bare = COMMENT.sub("", text) if patterns else ""
     return next((match[1] for pattern in patterns if (match := pattern.search(bare))), "")
 
 
 def is_blank(text: str) -> bool:
     """Whether a text in XML holds nothing, or nothing but comments."""
-    body = _DECLARATION.sub("", text.lstrip("\ufeff"), count=1).lstrip()
-    return not body or (body.startswith("<!--") and not XML_COMMENT.sub("", body).strip())
+    body = _DECLARATION.sub("", text.lstrip("\ufeff"), count=1).strip()
+    return not body or (body.startswith("<!--") and body.endswith("-->") and not COMMENT.sub("", body).strip())
 
 
 def is_foreign_launch(text: str) -> bool:
@@ -238,7 +236,7 @@ def names_file(text: str, inside: str, package: str) -> bool:
     name = inside.rpartition("/")[2]
     if name not in text:
         return False
-    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", XML_COMMENT.sub("", text)):
+    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", COMMENT.sub("", text)):
         owner = match[1] or match[2] or match[3]
         if not owner or not package or "$" in owner:
             return True

@@ -16,7 +16,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source
-from urdfcheck.source.model_file import XML_COMMENT, compile_includes, may_compute_name, names_file
+from urdfcheck.source.model_file import compile_includes, may_compute_name, names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import (
     TEST_FOLDERS,
@@ -28,7 +28,7 @@ from urdfcheck.source.package.package_folders import (
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
-from urdfcheck.source.text.xml import SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import COMMENT, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_have_name
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -274,7 +274,7 @@ def name_other_models_only(texts: Iterable[str], own: str) -> bool:
     """Whether texts name files of models, and not the ``own`` one, outside comments in XML."""
     names_any = False
     for text in texts:
-        named = MODEL_FILE.findall(XML_COMMENT.sub("", text))
+        named = MODEL_FILE.findall(COMMENT.sub("", text))
         if own in named:
             return False
         names_any |= bool(named)

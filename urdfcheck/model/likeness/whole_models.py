@@ -15,6 +15,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.values import parse_numbers
+from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.source.xacro.argument_values import read_included_trees
 from urdfcheck.system.files import read_regular, walk
 
@@ -22,7 +23,6 @@ _SUFFIXES = (".urdf", ".xacro")
 _ROBOT = re.compile(r"""<robot\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 # What folders of robot files are called, which may have a folder for each kind of part.
 _ROBOT_FOLDERS = frozenset({"urdf", "xacro", "robots"})
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?\blink\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 _LINK_NAME = re.compile(r"""<link\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 _LINK = re.compile(r"<link[\s>/]")
@@ -74,7 +74,7 @@ def find_defining_file(model: Model, link: str) -> Path | None:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
             continue
-        spelled = {a or b for a, b in _LINK_NAME.findall(_COMMENT.sub("", text))} if link in text else set()
+        spelled = {a or b for a, b in _LINK_NAME.findall(COMMENT.sub("", text))} if link in text else set()
         if link in spelled and spelled.isdisjoint(model.link_by_name):
             return path
     return None
@@ -91,7 +91,7 @@ def find_joints_elsewhere(source: Source) -> Path | None:
         return None
     for path in islice(_iter_robot_files(source), _MOST_FILES):
         try:
-            text = _COMMENT.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
+            text = COMMENT.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
         except OSError:
             continue
         ends = [a or b for a, b in _JOINT_END.findall(text)]

@@ -23,7 +23,7 @@ from urdfcheck.source.ros.controllers import (
 )
 from urdfcheck.source.ros.srdf import is_about_model, list_srdf_folders
 from urdfcheck.source.text.tokens import find_content_span
-from urdfcheck.source.text.xml import Element
+from urdfcheck.source.text.xml import COMMENT, Element
 
 if TYPE_CHECKING:
     from urdfcheck.source.launch.launch_file import Launch
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 _CONTROL_PLUGIN = re.compile(r"ros2?_control")
 _GAZEBO_CLASSIC = re.compile(r"gazebo_ros2_control/")
 _PID = "_pid"
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _PREFIX = re.compile(r"^\$(?:\{[^}]*\}|\([^)]*\))")
 _FIND = re.compile(r"\$\((?:find|find-pkg-share)\s+([^\s()]+)\s*\)")
 
@@ -180,7 +179,7 @@ def can_offer_with_other_arguments(model: Model, joint: str, interface: str) -> 
             return True
         file = None if component.span is None else model.source.files.get(component.span.file)
         if file is not None and component.span is not None:
-            inside = _COMMENT.sub("", file.text[component.span.end :]).partition("</joint")[0]
+            inside = COMMENT.sub("", file.text[component.span.end :]).partition("</joint")[0]
             if typed.search(inside):
                 return True
     return interface in _collect_left_out_interfaces(model, joint)

@@ -36,6 +36,7 @@ def render(diff: Diff) -> str:
             "new": [build_finding_object(finding) for finding in diff.findings.new],
             "gone": [build_finding_object(finding) for finding in diff.findings.gone],
             "unchanged": diff.findings.unchanged,
+            "unchecked": diff.findings.unchecked,
         },
         "failures": list(diff.failures),
         "notes": list(diff.notes),

@@ -56,6 +56,7 @@ def list_harm(diff: Diff) -> list[str]:
 
 
 def count_findings(diff: Diff) -> str:
-    """Return how many findings are new, gone and unchanged."""
+    """Return how many findings are new, gone and unchanged, and of how many that cannot be told."""
     found = diff.findings
-    return f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged"
+    unchecked = f", {found.unchecked} cannot be told (the model is not checked now)" if found.unchecked else ""
+    return f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged{unchecked}"

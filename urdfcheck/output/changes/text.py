@@ -181,7 +181,7 @@ def describe_seam(change: SeamChange) -> str:
 
 def _iter_finding_lines(diff: Diff, *, show_all: bool) -> Iterator[str]:
     found = diff.findings
-    if not (found.new or found.gone):
+    if not (found.new or found.gone or found.unchecked):
         if found.unchanged:
             yield f"findings: {found.unchanged} unchanged"
         return

@@ -7,11 +7,11 @@ from collections.abc import Iterator
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.export.index.source_index import ARGUMENT, JOINT, LINK, MACRO, MATERIAL, PARAMETER, PROPERTY
+from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.source.xacro.macro_parameters import parse_next_parameter
 
 # A tag, whose values hold no "<": one that is being typed is none.
 TAG = re.compile(r"""<(/?)([^\s<>/"']+)((?:"[^"<]*"|'[^'<]*'|[^<>"'])*)>""")
-_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)", re.DOTALL)
 _ATTRIBUTE = r"""(?<![\w:]){}\s*=\s*(["'])(.*?)\1"""
 _NAME, _PARAMS, _TYPE = (re.compile(_ATTRIBUTE.format(name), re.DOTALL) for name in ("name", "params", "type"))
 _SCOPE = re.compile(r"\bscope\s*=")
@@ -39,7 +39,7 @@ class TypedName:
 def iter_typed_names(text: str) -> Iterator[TypedName]:
     """Yield the names that are typed without expressions, also in a text that does not parse."""
     macros: list[int] = []
-    for match in TAG.finditer(_COMMENT.sub(lambda comment: " " * len(comment[0]), text)):
+    for match in TAG.finditer(COMMENT.sub(lambda comment: " " * len(comment[0]), text)):
         closing, tag, rest = match.groups()
         name, kind = _NAME.search(rest), _DEFINED.get(tag)
         if tag == "xacro:macro":

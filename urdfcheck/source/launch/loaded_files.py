@@ -13,7 +13,7 @@ from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.system.files import read_text_or_nothing
 
-_COMMENT = re.compile(r"<!--.*?-->|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
+_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
 _MODEL_NAME = re.compile(r"[\w.-]*\.(?:urdf|xacro)\b")
 

@@ -17,7 +17,8 @@ from urdfcheck.source.package.finder import Package, PackageFinder, format_path,
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import COMMENT, Attribute, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml_mistakes import forgive_hyphens
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.source.xacro.file_contents import has_only_macros
 from urdfcheck.system.files import read_regular, remember_large_folders
@@ -34,7 +35,6 @@ _PLANNING_CONTEXT = "launch/planning_context.launch"
 _PARAMETER = re.compile(r"<param\b[^<>]*>")
 _DESCRIPTION = re.compile(r"\bname\s*=\s*[\"'](?:\$\(arg robot_description\)|/?robot_description)[\"']")
 _MODEL = re.compile(r"\$\(find\s+([\w.-]+)\s*\)/([^\s\"'<>$]+\.(?:urdf|xacro))(?=[\s\"'])")
-_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 # A group that holds no other.
 _GROUP = re.compile(r"<group\b(?:(?!<group\b).)*?</group>", re.DOTALL)
 _LATE_DECLARATION = re.compile(r"\A(\ufeff?\s+)(<\?xml\s[^>]*\?>)")
@@ -289,7 +289,7 @@ def _read_planning_context(srdf: Srdf, package: Package, source: Source) -> list
         text = read_regular(place).decode("utf-8-sig", "replace") if source.finder.can_open(place) else ""
     except OSError:
         return []
-    text = _COMMENT.sub("", text)
+    text = COMMENT.sub("", text)
     named = f"/{srdf.path.name}"
     if named not in text:
         return []
@@ -354,8 +354,7 @@ def _parse_srdf(file: SourceFile) -> Element:
         if not error.data.get("forgiven"):
             raise
     # Of the same length: all places stay.
-    lenient = _COMMENT.sub(lambda match: f"<!--{match[1].replace('-', '=')}-->", file.text)
-    lenient = _LATE_DECLARATION.sub(lambda match: match[1] + " " * len(match[2]), lenient)
+    lenient = _LATE_DECLARATION.sub(lambda match: match[1] + " " * len(match[2]), forgive_hyphens(file.text))
     copy = SourceFile(file.path, file.name, lenient, encoding=file.encoding, declared=file.declared)
     tree = parse_xml(copy)
     file.comments[:] = copy.comments

@@ -38,6 +38,8 @@ _VALUE = re.compile(r"""=\s*(?:"[^"]*"|'[^']*')""")
 _BREAK = re.compile(r"\r\n|[\r\n\t]")
 _TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
+# A comment; one that nothing closes ends with the text. Otherwise the end of each of many would be searched anew.
+COMMENT = re.compile(r"<!--(.*?)(?:-->|\Z)", re.DOTALL)
 _SUBSTITUTION = re.compile(r"\$[({]")
 
 

@@ -26,7 +26,7 @@ _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 _LARGEST_TRIED = 5_000_000
 # How much of a name is shown.
 _MOST_SHOWN = 60
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+_COMMENT = re.compile(r"<!--(.*?)(?:-->|\Z)", re.DOTALL)
 # ``<your-package>`` in a value, for the reader to replace; and the rest of its line.
 _PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)*)>([^\n<]*)")
 # A start tag that someone made the beginning of a comment.
@@ -84,10 +84,10 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
             repair = f"end the comment of line {line} before this `<!--`{_describe_whole_comment(text, at)}"
             # Behind the root element, tinyxml2 takes what is left of the comment for another one.
             is_after_root = bool(opened) and f"</{opened[0][0]}" in before[:opener]
-            return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root)
+            return XmlMistake(message, at - 4, at, repair, forgiven=not is_after_root and _parses_leniently(text))
         message = "a comment may not contain `--`"
         repair = "write one hyphen, or another character (`==`), and close the comment with `-->`"
-        return XmlMistake(message, at - 2, at, repair, forgiven=True)
+        return XmlMistake(message, at - 2, at, repair, forgiven=_parses_leniently(text))
     if here and NO_CHARACTER.match(here):
         return XmlMistake(f"the character U+{ord(here):04X} is not allowed in XML", at, at + 1, "delete it")
     if here == "\ufeff":
@@ -427,6 +427,16 @@ def _choose_working_repairs(text: str, at: int, ways: Sequence[tuple[str, str]])
     left = [(words, len(_split_where_it_breaks(edited)[1])) for words, edited in ways]
     whole = [words for words, count in left if count == 0]
     return whole or [words for words, count in left if count < len(text) - at]
+
+
+def forgive_hyphens(text: str) -> str:
+    """Return a text of the same length without hyphens inside its comments: tinyxml2 reads up to ``-->``, whatever is inside."""
+    return _COMMENT.sub(lambda match: f"<!--{match[1].replace('-', '=')}{match[0][4 + len(match[1]) :]}", text)
+
+
+def _parses_leniently(text: str) -> bool:
+    """Whether hyphens in comments are all that keeps a text from being parsed."""
+    return len(text) <= _LARGEST_TRIED and not _split_where_it_breaks(forgive_hyphens(text))[1]
 
 
 def _split_where_it_breaks(text: str) -> tuple[str, str]:

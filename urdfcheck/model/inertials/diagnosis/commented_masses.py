@@ -12,13 +12,13 @@ from urdfcheck.facts.inertials.mistakes.mistake import EFFECT
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.source.text.values import parse_number
+from urdfcheck.source.text.xml import COMMENT
 
 if TYPE_CHECKING:
     from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
     from urdfcheck.facts.inertials.diagnosis import Diagnosis
     from urdfcheck.model.parts import Link
 
-_COMMENT = re.compile(r"<!--(.*?)-->", re.DOTALL)
 _MASS = re.compile(r"""<mass\s+value\s*=\s*["']([^"'<>]+)["']""")
 _INERTIA = re.compile(r"<inertia\b")
 # How the mass of a comment is marked in the detail of a cause.
@@ -64,7 +64,7 @@ def _list_commented_masses(model: Model, link: Link) -> Iterator[float]:
     if span is None or file is None:
         return
     end = file.text.find("</inertial", span.start)
-    for comment in _COMMENT.findall(file.text, span.start, max(end, span.start)):
+    for comment in COMMENT.findall(file.text, span.start, max(end, span.start)):
         if _INERTIA.search(comment) is None:
             for typed in _MASS.findall(comment):
                 if (mass := parse_number(typed)) is not None and mass > 0.0:

@@ -12,9 +12,9 @@ from pathlib import Path
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.passed_arguments import iter_launch_files
 from urdfcheck.source.launch.substitutions import may_become
-from urdfcheck.source.model_file import XML_COMMENT
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.system.files import read_text_or_nothing
 
 # So many launch files of a project are read, and so much of each.
@@ -50,7 +50,7 @@ def _read_includes(folder: Path, finder: PackageFinder) -> Mapping[Path, list[tu
     found: dict[Path, list[tuple[str, str, frozenset[str]]]] = {}
     files = (path for path in iter_launch_files(folder, finder) if path.suffix != ".py")
     for path in itertools.islice(files, _MOST_LAUNCHES):
-        text = XML_COMMENT.sub("", read_text_or_nothing(path, _MOST_BYTES))
+        text = COMMENT.sub("", read_text_or_nothing(path, _MOST_BYTES))
         for attributes, inside in _INCLUDE.findall(text):
             file = _FILE.search(attributes)
             if file is not None:
