@@ -55,6 +55,14 @@ def test_one_cause_one_finding(tmp_path: Path, text: str, expected: list[str]) -
     assert sorted(codes(check_text(tmp_path, text, codes=TREE))) == expected
 
 
+def test_joints_of_a_robot_without_links_are_not_reported_one_by_one(tmp_path: Path) -> None:
+    """A list of thrusters for a plugin: that nothing can be loaded says it all."""
+    text = '<robot name="thrusters"><joint name="left"><limit lower="-30" upper="30"/></joint></robot>'
+    run = check_text(tmp_path, text, codes={"KIN007", "KIN009", "XML005", "JNT007"})
+    assert codes(run) == ["KIN007"]
+    assert run.findings[0].data["hides"] == ["JNT007", "KIN009", "XML005"]
+
+
 @pytest.mark.parametrize(
     ("text", "urdfdom"),
     [

@@ -8,11 +8,16 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
 
+# What is missing in joints that join nothing, such as those of a list of actuators that a program of its own reads.
+_OF_JOINTS = ("XML005 *", "KIN009 *", "JNT004 *", "JNT007 *")
+
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     KinematicGraph.from_model(model)  # raises if the xacro is not expanded: its links are still to come
     if not model.links:
-        yield rule.finding("none", at=model, robot=model.name, repair=_describe_repair(model))
+        yield rule.finding(
+            "none", at=model, robot=model.name, repair=_describe_repair(model), explains=list(_OF_JOINTS)
+        )
 
 
 def _describe_repair(model: Model) -> str:
