@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError
@@ -140,6 +141,7 @@ def _confirm_by_others(
 ) -> list[FarOrigin]:
     sides = _cut_tree(model, suspects)
     found = []
+    spared = [others]
     for joint in _iter_joints(model, suspects):
         length, parent, child = lengths[joint.name], sides[joint.parent], sides[joint.child]
         least = limits.least if joint.is_movable and len(suspects) == 1 else limits.least_fixed
@@ -149,6 +151,8 @@ def _confirm_by_others(
             # Frames of a scene are where they are: robots, cameras, the frames of a map.
             least = math.inf if SCENE.search(joint.parent) else _SCENE_SIZE
         if length < least:
+            if not parent.is_empty:
+                spared.append(length)
             continue
         if child.is_empty and _has_suspects_below(model, joint.child, suspects):
             continue  # the next origin may lead back
@@ -157,15 +161,18 @@ def _confirm_by_others(
         if len(parent.points) and len(child.points):
             between = _measure_box_gap(parent.box, child.box)
             if between < _OPEN * length:
+                spared.append(length)
                 continue
         # The COM of a long shaft, which may have short joints only, is in its middle. No shaft between joints is that long.
         is_shaft = not joint.is_movable or length < limits.least_fixed
         if is_shaft and not (len(parent.points) and len(child.points)) and _is_amid_joints(model, joint, lengths):
             is_shaft = False  # nor is any in an arm, of whose parts nothing says that one is a shaft
         if far.gap is None and is_shaft and length <= limits.undrawn * others and between < _NO_SHAFT * length:
+            spared.append(length)
             continue
         found.append(far)
-    return found
+    # Long origins that are meant say how long those of this robot are.
+    return [replace(far, others=max(spared)) for far in found if far.length > limits.drawn * max(spared)]
 
 
 def _is_amid_joints(model: Model, joint: Joint, lengths: Mapping[str, float]) -> bool:
