@@ -761,6 +761,19 @@ def test_one_origin_on_mirrored_parts_is_a_lost_sign(tmp_path: Path, copied_part
     assert [told(f) for f in slips] == [("slip", "sign", "joint[right_hand_joint]/origin@xyz")] * found
 
 
+def test_no_repair_puts_two_parts_into_one_place(tmp_path: Path) -> None:
+    """The sign of the side is in the wrong coordinate: mirrored, each would be where the other one is."""
+    robot = copy.deepcopy(ROBOT)
+    for side, x in (("left", 0.1), ("right", -0.1)):
+        robot.append(make_box_link(f"{side}_sensor", [((0.03, 0.02, 0.01), (0.0, 0.0, 0.0))]))
+        robot.append(
+            make_motor_joint(f"{side}_sensor_joint", "torso", f"{side}_sensor", (x, 0, 0.4), (0, 0, 1), (-1, 1))
+        )
+    (slip,) = (f for f in find_mirror_defects(tmp_path, robot) if f.message_id == "slip")
+    assert slip.fix is not None
+    assert slip.fix.title.startswith("make the two opposite across the middle, and not in x: ")
+
+
 def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_path: Path) -> None:
     """A symmetric part may be mirrored or turned: its centre of mass, off the middle of what is drawn, tells which."""
     robot = copy.deepcopy(ROBOT)

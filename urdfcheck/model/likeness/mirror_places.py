@@ -11,7 +11,7 @@ import numpy as np
 from urdfcheck.core import Edit, Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_point, join_names, split_name_words
-from urdfcheck.model.likeness.mirror_pairs import MirrorPair
+from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair
 from urdfcheck.model.likeness.mirrored_joints import TURNING, MisplacedJoint, find_misplaced_joint
 from urdfcheck.model.likeness.odd_limbs import OddNumbers, iter_odd_numbers
 from urdfcheck.model.likeness.origin_slips import (
@@ -213,12 +213,22 @@ def _describe_slip(slip: OriginSlip) -> PlaceMistake:
         "typed": "0 0 0" if attribute is None else attribute.value,
         "expected": format_point(slip.expected, decimals=6),
         "distance": float(np.linalg.norm(np.array(joint.origin.xyz or (0, 0, 0)) - slip.expected)) * 1e3,
-        "first": _describe_move(joint, twin, slip.expected),
-        "second": _describe_move(twin, joint, slip.twin_expected),
+        "repair": _describe_repair(slip),
         "between": _list_subjects((joint, twin)),
     }
     cause = None if slip.kind == "coordinate" else slip.kind
     return PlaceMistake(message="slip", joints=(joint, twin), at=at, related=(related,), cause=cause, data=data)
+
+
+def _describe_repair(slip: OriginSlip) -> str:
+    """Say which numbers the two joints have if one of them is correct; not where each would be in the place of the other."""
+    joint, twin = slip.joint, slip.twin
+    places = [np.array(one.origin.xyz or (0.0, 0.0, 0.0)) for one in (joint, twin)]
+    if joint.parent == twin.parent and float(np.abs(places[1] - slip.expected).max()) <= PLACE:
+        axis = "xyz"[int(np.abs(places[0] - slip.expected).argmax())]
+        return f"make the two opposite across the middle, and not in {axis}: mirrored as they are, both would be in one place"
+    moves = _describe_move(joint, twin, slip.expected), _describe_move(twin, joint, slip.twin_expected)
+    return f"if {twin.name} is correct, {moves[0]}; if {joint.name} is correct, {moves[1]}"
 
 
 def _describe_lone_attribute(lone: LoneAttribute) -> PlaceMistake:
