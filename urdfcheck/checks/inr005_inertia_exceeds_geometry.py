@@ -153,7 +153,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         is_bolted = excess < VAST and part.link.name in list_bolted_links(model)
         is_minor = is_bolted or excess**0.5 < (_BARELY_UNEVEN if is_uneven else _BARELY)
         yield rule.finding(
-            "uneven" if is_uneven else "com" if is_elsewhere else "exceeds",
+            "uneven" if is_uneven else "com" if is_elsewhere and _fits_another_com(part, margin) else "exceeds",
             at=declared.element,
             severity=Severity.ERROR if is_vast else Severity.INFO if is_minor else None,
             edits=() if advice.repair is None else advice.repair.edits,
@@ -421,6 +421,15 @@ def _fits_elsewhere(
     """Whether the tensor is possible inside the geometry about another COM than the one that was typed."""
     covariance = part.covariance - _estimate_rounding(part, declared) * np.eye(3)
     return is_possible_elsewhere(points, covariance, ratio, margin * measure_extent(points))
+
+
+def _fits_another_com(part: EnclosedInertial, margin: float) -> bool:
+    """Whether the typed numbers are possible about another COM as they stand, without what a report of an excess leaves to
+    rounding and tolerance."""
+    return any(
+        is_possible_elsewhere(points, part.covariance, margin=margin * measure_extent(points))
+        for points in part.readings
+    )
 
 
 def _estimate_rounding(part: EnclosedInertial, declared: DeclaredTensor) -> float:
