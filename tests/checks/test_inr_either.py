@@ -162,6 +162,18 @@ def test_a_wheel_whose_moments_are_about_the_wrong_axis_is_one_finding(tmp_path:
         assert found == ({"JNT015"} if moment < 0.1 else {"JNT015", "INR005"})
 
 
+@pytest.mark.parametrize(("kind", "severity"), [("prismatic", Severity.INFO), ("continuous", Severity.WARNING)])
+def test_what_only_slides_on_a_fixed_base_may_have_any_inertia(tmp_path: Path, kind: str, severity: Severity) -> None:
+    text = robot(
+        link("world"),
+        link("cart", inertial(1, 0.1), visual(box("0.3 0.1 0.1"))),
+        link("pole", inertial(0.3, ixx=0.004, iyy=0.0041, izz=0.0001), visual(box("0.02 0.02 0.4"))),
+        joint("slide", "world", "cart", kind=kind, axis="0 1 0"),
+        joint("swing", "cart", "pole", kind="continuous", axis="1 0 0"),
+    )
+    assert [found.severity for found in find(tmp_path, text, {"INR005"})] == [severity]
+
+
 # -- INR007 -----------------------------------------------------------------------------------------------------------
 
 

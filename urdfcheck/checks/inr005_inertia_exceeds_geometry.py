@@ -55,7 +55,7 @@ from urdfcheck.model.inertials.proposals.like_links import has_com_of_twin
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, has_mistake, propose_undo
 from urdfcheck.model.inertials.shared_mistakes import has_edited_masses, list_habitual_links
-from urdfcheck.model.motion.fixed_base import list_bolted_links
+from urdfcheck.model.motion.fixed_base import list_unturned_links
 from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
@@ -150,7 +150,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if is_uneven and advice.repair is None and (odd := _describe_odd_moment(model, declared)):
             advice = _Advice(remedy=f"{odd}, or ", explained=advice.explained)
-        is_bolted = excess < VAST and part.link.name in list_bolted_links(model)
+        is_bolted = excess < VAST and part.link.name in list_unturned_links(model)
         is_minor = is_bolted or excess**0.5 < (_BARELY_UNEVEN if is_uneven else _BARELY)
         yield rule.finding(
             "uneven" if is_uneven else "com" if is_elsewhere and _fits_another_com(part, margin) else "exceeds",
