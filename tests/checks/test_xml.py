@@ -1651,3 +1651,21 @@ def test_a_copy_of_a_part_that_a_xacro_includes_from_elsewhere_is_a_note(tmp_pat
     assert (finding.message_id, finding.severity) == ("not_expanded", Severity.ERROR)
     assert finding.fix is not None
     assert "only in a file that defines that and includes this one" in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("beside", "severity", "repair"),
+    [
+        ("<visual><geometry><sphere radius='1'/></geometry></visual>", Severity.INFO, "delete it: the link has shapes"),
+        ("", Severity.WARNING, "move it into <visual> or <collision>"),
+    ],
+)
+def test_a_geometry_in_an_inertial_is_a_remark_beside_other_shapes(
+    tmp_path: Path, beside: str, severity: Severity, repair: str
+) -> None:
+    inertial = "<inertial><mass value='1'/><geometry><box size='1 1 1'/></geometry></inertial>"
+    text = f"<robot name='r'><link name='l'>{beside}{inertial}</link></robot>"
+    (finding,) = check_text(tmp_path, text, codes={"XML003"}).findings
+    assert finding.severity == severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)

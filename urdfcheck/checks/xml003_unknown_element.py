@@ -349,7 +349,8 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         message = "pose" if parent == "robot" and child.tag == "origin" else "misplaced"
         # What is in its right place too is not lost.
         is_repeated = parent == "link" and all(_repeats_joint(place, model) for place in places)
-        severity = Severity.INFO if is_repeated else Severity.WARNING
+        is_note = parent == "inertial" and child.tag == "geometry" and all(map(_has_shapes_around, places))
+        severity = Severity.INFO if is_repeated or is_note else Severity.WARNING
         return message, severity, {"homes": _list_choices(homes), "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
         return "shape", Severity.ERROR, {"repair": _describe_shape_repair(places)}
@@ -381,6 +382,8 @@ def _describe_move(parent: str, places: list[Element], homes: list[str], model: 
         return "delete it: the joint that places the link has the same"
     if parent == "link" and tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
         return f"delete it: the joint that places the link has its own <{tag}>"
+    if parent == "inertial" and tag == "geometry" and all(map(_has_shapes_around, places)):
+        return "delete it: the link has shapes of its own, and no inertia is computed from this one"
     if len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
         return f"delete it: the {listed} has its own <{tag}>"
     holding = [_find_around(place, *homes) for place in places]
@@ -492,6 +495,12 @@ def _list_tags(tags: list[str]) -> str:
     """Return ``<a>, <b> and <c>``."""
     *before, last = (f"<{tag}>" for tag in tags)
     return " and ".join(filter(None, (", ".join(before), last)))
+
+
+def _has_shapes_around(place: Element) -> bool:
+    """Whether the link around a part of an inertial has shapes where they are read."""
+    link = None if place.parent is None else place.parent.parent
+    return any(_has_in_all(link, [home], "geometry") for home in ("visual", "collision"))
 
 
 def _has_in_all(around: Element | None, homes: list[str], tag: str) -> bool:
