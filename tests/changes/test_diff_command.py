@@ -187,7 +187,7 @@ def test_what_a_broken_version_had_is_not_gone(folder: Path) -> None:
     assert [finding["code"] for finding in counts["new"]] == ["XAC001"]
     assert (counts["gone"], counts["unchanged"], counts["unchecked"]) == ([], 0, 1)
     text = command("diff", "old", "new", *QUICK, cwd=folder).stdout
-    assert "findings: 1 new, 0 gone, 0 unchanged, 1 cannot be told (the model is not checked now)\n" in text
+    assert "findings: 1 new, 0 gone, 0 unchanged, 1 unknown (the model is not checked now)\n" in text
 
 
 @pytest.mark.usefixtures("one_process")

@@ -1767,6 +1767,26 @@ def test_an_argument_is_missing_where_the_model_is_started(
     assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing
 
 
+@pytest.mark.parametrize(
+    ("passed", "severity"), [("side:=$(env SIDE)", Severity.WARNING), ("size:=$(env SIDE)", Severity.ERROR)]
+)
+def test_what_another_value_defines_is_there_where_a_launch_file_passes_one(
+    tmp_path: Path, passed: str, severity: Severity
+) -> None:
+    command = f"xacro $(find car)/urdf/car.urdf.xacro {passed}"
+    place = '<xacro:if value="${side == \'left\'}"><xacro:property name="y" value="1"/></xacro:if>'
+    head = '<xacro:arg name="side" default=""/><xacro:property name="side" value="$(arg side)"/>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f'<launch><param name="robot_description" command="{command}"/></launch>',
+        "urdf/car.urdf.xacro": HEAD + head + place + '\n<link name="base${y}"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC001"}))
+    assert (finding.message_id, finding.severity, finding.blocks_check) == ("undefined-name", severity, True)
+    assert finding.fix is not None
+    assert ("car.launch passes one" in finding.fix.title) == (severity is Severity.WARNING)
+
+
 @pytest.mark.parametrize(("passed", "is_passed"), [("side:=$(env SIDE)", True), ("size:=$(env SIDE)", False)])
 def test_a_launch_file_that_starts_any_model_passes_the_argument_to_each(
     tmp_path: Path, passed: str, is_passed: bool

@@ -69,6 +69,8 @@ _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
+# The name of an argument in the options of the command.
+_OPTION = re.compile(r"--arg '?([\w.-]+):=")
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 # The start tag of a macro inside a comment.
 _COMMENTED_MACRO = re.compile(
@@ -131,6 +133,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         expression = problem.data.get("evaluated") or typed
         failure = _ExpansionFailure(source=source, problem=problem, reason=reason, expression=expression)
         report = _classify_failure(failure)
+        passing = _find_passing_launch(source, str(report.data.get("remedy", "")))
+        if passing is not None:
+            report.data["repair"] += f"; {format_path(passing)} passes one, known only at launch"
         finding = rule.finding(
             report.message,
             at=report.at,
@@ -143,7 +148,20 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_left_out = bool(report.data.get("defining")) and _is_unused(source)
         is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
         is_left_out |= source.package is not None and is_kept_aside(source.path, source.package.path)
+        is_left_out |= passing is not None  # where it is started, the model has a value
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
+
+
+def _find_passing_launch(source: Source, remedy: str) -> Path | None:
+    """Return a launch file that passes the arguments of a ``remedy``, whose values only the launch knows; None if one of them was
+    given here, or no launch file passes it."""
+    names = _OPTION.findall(remedy)
+    if not names or any(name in source.arguments for name in names):
+        return None
+    from urdfcheck.source.launch.loaded_files import find_passing_launch  # only what is missing asks for it
+
+    found = [find_passing_launch(source.path, name, source.finder) for name in names]
+    return None if None in found else found[0]
 
 
 def _find_unprefixed_tags(failure: _ExpansionFailure, report: _FailureReport) -> list[str]:

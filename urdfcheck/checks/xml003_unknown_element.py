@@ -383,7 +383,7 @@ def _describe_move(parent: str, places: list[Element], homes: list[str], model: 
     if parent == "link" and tag in _NAMING and all(_list_joint_elements(place, model) for place in places):
         return f"delete it: the joint that places the link has its own <{tag}>"
     if parent == "inertial" and tag == "geometry" and all(map(_has_shapes_around, places)):
-        return "delete it: the link has shapes of its own, and no inertia is computed from this one"
+        return "delete it: the link has other shapes, and no inertia is computed from this one"
     if len(homes) == 1 and all(_is_around(place, homes[0]) for place in places):
         return f"delete it: the {listed} has its own <{tag}>"
     holding = [_find_around(place, *homes) for place in places]

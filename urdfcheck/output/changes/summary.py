@@ -56,7 +56,7 @@ def list_harm(diff: Diff) -> list[str]:
 
 
 def count_findings(diff: Diff) -> str:
-    """Return how many findings are new, gone and unchanged, and of how many that cannot be told."""
+    """Return how many findings are new, gone and unchanged, and of how many that is not known."""
     found = diff.findings
-    unchecked = f", {found.unchecked} cannot be told (the model is not checked now)" if found.unchecked else ""
+    unchecked = f", {found.unchecked} unknown (the model is not checked now)" if found.unchecked else ""
     return f"findings: {len(found.new)} new, {len(found.gone)} gone, {found.unchanged} unchanged{unchecked}"
