@@ -221,7 +221,7 @@ def _describe_slip(slip: OriginSlip) -> PlaceMistake:
 
 
 def _describe_repair(slip: OriginSlip) -> str:
-    """Say which numbers the two joints have if one of them is correct; not where each would be in the place of the other."""
+    """Say which numbers the two joints have if one of them is correct; not where the two would then coincide."""
     joint, twin = slip.joint, slip.twin
     places = [np.array(one.origin.xyz or (0.0, 0.0, 0.0)) for one in (joint, twin)]
     if joint.parent == twin.parent and float(np.abs(places[1] - slip.expected).max()) <= PLACE:
