@@ -1133,6 +1133,33 @@ def test_an_inertial_that_a_call_without_the_prefix_would_make_is_not_missing(tm
     assert (lost.code, lost.data["hides"]) == ("XAC007", ["INR001"])
 
 
+BLOCKS = """<xacro:macro name="arm" params="n *limit *mass **rest">
+<link name="${{n}}"><inertial>{mass}</inertial></link>
+<joint name="${{n}}_joint" type="revolute"><axis xyz="0 0 1"/>{limit}<parent link="base"/><child link="${{n}}"/></joint>
+</xacro:macro><xacro:arm n="a"><limit lower="-1" upper="1" effort="1" velocity="1"/><mass value="1"/>
+<rest><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></rest></xacro:arm>"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "mass", "expected"),
+    [
+        ("limit", "mass rest", ["XAC007"]),
+        ("limit", "mass", ["XAC007", "XML005"]),  # the block of the inertia is inserted nowhere
+        ("mass", "mass rest", ["JNT004", "XAC007"]),  # so is that of the limit
+    ],
+)
+def test_what_a_block_without_the_prefix_would_insert_is_not_missing(
+    tmp_path: Path, limit: str, mass: str, expected: list[str]
+) -> None:
+    inserted = ["".join(f'<insert_block name="{name}"/>' for name in names.split()) for names in (limit, mass)]
+    text = BLOCKS.format(limit=inserted[0], mass=inserted[1])
+    found = {f.code: f for f in xacro(tmp_path, text, {"XAC007", "XML005", "JNT004"}).findings}
+    assert sorted(found) == expected
+    if expected == ["XAC007"]:
+        assert found["XAC007"].consequences["urdfdom"] == "refuses the file: a joint lacks its <limit>"
+        assert found["XAC007"].consequences["mujoco"].startswith("refuses the file: an <inertial>")
+
+
 @pytest.mark.parametrize(("macro", "expected"), [(INERTIA, ["XAC007"]), (WHEEL, ["XML005", "XAC007"])])
 def test_a_call_in_the_file_of_another_package_is_told_there_and_not_what_it_would_make(
     tmp_path: Path, macro: str, expected: list[str]
