@@ -1133,6 +1133,22 @@ def test_an_inertial_that_a_call_without_the_prefix_would_make_is_not_missing(tm
     assert (lost.code, lost.data["hides"]) == ("XAC007", ["INR001"])
 
 
+def test_only_the_tags_of_the_robot_are_why_it_has_no_links(tmp_path: Path) -> None:
+    parts = f'{WHEEL}<xacro:macro name="sensors"><wheel name="sensor"/></xacro:macro>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "parts.xacro": HEAD + parts + "</robot>",
+        "car.urdf.xacro": HEAD + '<xacro:include filename="parts.xacro"/><wheel name="a"/><sensors/></robot>',
+    }
+    found = find_in_folder(write(tmp_path, files) / "car.urdf.xacro", {"XAC007", "KIN007"})
+    effects = {f.location.span.file.rpartition("/")[2]: f.consequences["urdfdom"] for f in found if f.location.span}
+    assert effects == {
+        "car.urdf.xacro": "refuses the file: no link elements found",
+        "parts.xacro": "ignores it; what is in it, or what it should make, is missing",
+    }
+    assert {f.code for f in found} == {"XAC007"}
+
+
 BLOCKS = """<xacro:macro name="arm" params="n *limit *mass **rest">
 <link name="${{n}}"><inertial>{mass}</inertial></link>
 <joint name="${{n}}_joint" type="revolute"><axis xyz="0 0 1"/>{limit}<parent link="base"/><child link="${{n}}"/></joint>

@@ -6,14 +6,14 @@ import fnmatch
 import math
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.model_role import has_unprefixed_calls
+from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
@@ -121,7 +121,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             listed=join_names(f"<{tag}>{format_repetition(times)}" for tag, times in tags.items()),
             times=format_repetition(len(elements)) if len(tags) == 1 else "",
             more=_describe_further_edits(tags, source.trees[name]) + _describe_release(source, name),
-            explains=explained,
+            # What follows from the tags that are left in the robot does not follow from those in a macro that is not called.
+            explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
             consequences=_describe_consequences(source, elements),
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
@@ -233,9 +234,10 @@ def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[
     root = source.root
     if root is None:
         return {}
-    if has_unprefixed_calls(source, root) and not root.find_children("link"):
+    places = _collect_places(elements)
+    # A tag in a macro that is not called either loses only what it would make itself.
+    if not places.isdisjoint(_collect_places(list_unprefixed_calls(source, root))) and not root.find_children("link"):
         return WITHOUT_LINKS
-    places = {(e.span.file, e.span.start) for e in elements if e.span is not None}
     lacking = {needed for part in root.walk() if (needed := _find_lost_need(source, part, places))}
     # What makes a parser refuse the file counts more than what it drops.
     return (WITHOUT_INERTIA if "inertia" in lacking else {}) | (WITHOUT_LIMIT if "limit" in lacking else {})
@@ -305,8 +307,12 @@ def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:
     """Return the files and offsets of the tags that are left in the robot: the file of another package is wrong there too."""
     if source.root is None or not source.is_xacro:
         return set()
-    left = find_unprefixed_tags(source.trees, source.root)
-    return {(element.span.file, element.span.start) for element in left if element.span is not None}
+    return _collect_places(find_unprefixed_tags(source.trees, source.root))
+
+
+def _collect_places(elements: Iterable[Element]) -> set[tuple[str, int]]:
+    """Return the files and offsets of elements, which tell a tag as typed from what is left of it in the robot."""
+    return {(element.span.file, element.span.start) for element in elements if element.span is not None}
 
 
 def _propose_edits(elements: Sequence[Element], root: Element, file: SourceFile) -> list[Edit]:
