@@ -1926,3 +1926,17 @@ def test_the_place_of_a_missing_parameter_is_the_call_and_not_a_block_in_it(tmp_
     assert finding.location.span is not None
     assert finding.location.span.line == 3
     assert not finding.location.via
+
+
+def test_a_call_that_hands_a_block_on_is_where_its_parameter_is_missing(tmp_path: Path) -> None:
+    """The block is typed in the call of the outer macro, and xacro evaluates it before the inner call fails."""
+    macros = (
+        '<xacro:macro name="lens" params="frame *at"><link name="${frame}"/></xacro:macro>\n'
+        '<xacro:macro name="camera" params="*at">\n<xacro:lens><xacro:insert_block name="at"/></xacro:lens></xacro:macro>\n'
+    )
+    text = macros + '<xacro:camera>\n<origin xyz="${1} 0 0"/></xacro:camera>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.message_id == "parameters-missing"
+    assert finding.location.span is not None
+    line, call = finding.location.span.line, (HEAD + BASE + text).splitlines()
+    assert call[line - 1].startswith("<xacro:lens>")
