@@ -116,6 +116,43 @@ def test_a_part_is_to_be_included_and_a_robot_keeps_one_root(
     assert repair in finding.fix.title
 
 
+@pytest.mark.parametrize(
+    ("package", "given", "repair"),
+    [
+        ("lidar", "all", "which includes this file and has base; to load this one alone, include it from a xacro file"),
+        ("lidar", "lidar", "no other robot file here names base:"),  # the car is out of reach
+        # The car includes another file of the same name.
+        ("sonar", "all", "include lidar.urdf from the robot that has base;"),
+    ],
+)
+def test_a_file_that_a_robot_with_the_link_includes_is_not_to_have_it_too(
+    tmp_path: Path, package: str, given: str, repair: str
+) -> None:
+    xacro = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    sensors = f'<robot {xacro}><xacro:include filename="$(find {package})/urdf/lidar.urdf"/></robot>'
+    files = {
+        "car/package.xml": "<package><name>car</name></package>",
+        "car/urdf/car.urdf.xacro": f'<robot name="car" {xacro}><xacro:include filename="base.xacro"/>'
+        '<xacro:include filename="sensors.xacro"/></robot>',
+        "car/urdf/base.xacro": '<robot><link name="base"/></robot>',
+        "car/urdf/sensors.xacro": sensors,
+    }
+    for name in ("lidar", "sonar"):
+        files[f"{name}/package.xml"] = f"<package><name>{name}</name></package>"
+        files[f"{name}/display.launch"] = (
+            f'<launch><param name="robot_description" textfile="$(find {name})/urdf/lidar.urdf"/></launch>'
+        )
+        files[f"{name}/urdf/lidar.urdf"] = make_tree("eye", "base eye").replace('name="r"', f'name="{name}"')
+    for name, text in files.items():
+        path = tmp_path / "all" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text)
+    start = tmp_path / "all" / ("lidar/urdf/lidar.urdf" if given == "lidar" else "")
+    run = check(start, codes={"KIN002"})
+    found = [f for f in run.findings if f.location.span and f.location.span.file.endswith("lidar/urdf/lidar.urdf")]
+    assert [repair in f.fix.title for f in found if f.fix is not None] == [True]
+
+
 @pytest.mark.parametrize(("parent", "drake"), [("world", "loads it"), ("wrld", "refuses the file")])
 def test_drake_needs_no_link_for_its_world_body(tmp_path: Path, parent: str, drake: str) -> None:
     (finding,) = check_text(tmp_path, make_tree("pallet", f"{parent} pallet"), codes={"KIN002"}).findings

@@ -36,6 +36,21 @@ class TestNAM001:
         )
 
     @pytest.mark.parametrize(
+        ("wrong", "message"), [("/eye", "leading_slash"), ("my eye", "space"), ("a::eye", "scope"), ("a/eye", "slash")]
+    )
+    def test_the_place_is_where_a_call_or_a_property_gives_what_is_wrong(
+        self, tmp_path: Path, wrong: str, message: str
+    ) -> None:
+        macro = '<xacro:macro name="camera" params="name">\n<link name="${name}_link"/>\n</xacro:macro>'
+        text = f'<robot name="r" {XACRO}>{macro}\n<xacro:property name="eye" value="{wrong}"/>\n'
+        for call, line in ((f'<xacro:camera name="{wrong}"/>', 5), ('<xacro:camera name="${eye}"/>', 4)):
+            run = check_text(tmp_path, text + call + "</robot>", codes={"NAM001"}, name="r.xacro")
+            (finding,) = (f for f in run.findings if f.message_id == message)
+            assert finding.location.span is not None
+            assert finding.location.span.line == line
+            assert any(step.line == 2 for step in finding.location.via)
+
+    @pytest.mark.parametrize(
         "name", ["arm", "arm_2", "arm-2", "arm.2", "a__b", "_arm", "__arm", "Arm", "worlds", "größe"]
     )
     def test_harmless(self, tmp_path: Path, name: str) -> None:

@@ -1133,6 +1133,49 @@ def test_an_inertial_that_a_call_without_the_prefix_would_make_is_not_missing(tm
     assert (lost.code, lost.data["hides"]) == ("XAC007", ["INR001"])
 
 
+def test_only_the_tags_of_the_robot_are_why_it_has_no_links(tmp_path: Path) -> None:
+    parts = f'{WHEEL}<xacro:macro name="sensors"><wheel name="sensor"/></xacro:macro>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "parts.xacro": HEAD + parts + "</robot>",
+        "car.urdf.xacro": HEAD + '<xacro:include filename="parts.xacro"/><wheel name="a"/><sensors/></robot>',
+    }
+    found = find_in_folder(write(tmp_path, files) / "car.urdf.xacro", {"XAC007", "KIN007"})
+    effects = {f.location.span.file.rpartition("/")[2]: f.consequences["urdfdom"] for f in found if f.location.span}
+    assert effects == {
+        "car.urdf.xacro": "refuses the file: no link elements found",
+        "parts.xacro": "ignores it; what is in it, or what it should make, is missing",
+    }
+    assert {f.code for f in found} == {"XAC007"}
+
+
+BLOCKS = """<xacro:macro name="arm" params="n *limit *mass **rest">
+<link name="${{n}}"><inertial>{mass}</inertial></link>
+<joint name="${{n}}_joint" type="revolute"><axis xyz="0 0 1"/>{limit}<parent link="base"/><child link="${{n}}"/></joint>
+</xacro:macro><xacro:arm n="a"><limit lower="-1" upper="1" effort="1" velocity="1"/><mass value="1"/>
+<rest><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></rest></xacro:arm>"""
+
+
+@pytest.mark.parametrize(
+    ("limit", "mass", "expected"),
+    [
+        ("limit", "mass rest", ["XAC007"]),
+        ("limit", "mass", ["XAC007", "XML005"]),  # the block of the inertia is inserted nowhere
+        ("mass", "mass rest", ["JNT004", "XAC007"]),  # so is that of the limit
+    ],
+)
+def test_what_a_block_without_the_prefix_would_insert_is_not_missing(
+    tmp_path: Path, limit: str, mass: str, expected: list[str]
+) -> None:
+    inserted = ["".join(f'<insert_block name="{name}"/>' for name in names.split()) for names in (limit, mass)]
+    text = BLOCKS.format(limit=inserted[0], mass=inserted[1])
+    found = {f.code: f for f in xacro(tmp_path, text, {"XAC007", "XML005", "JNT004"}).findings}
+    assert sorted(found) == expected
+    if expected == ["XAC007"]:
+        assert found["XAC007"].consequences["urdfdom"] == "refuses the file: a joint lacks its <limit>"
+        assert found["XAC007"].consequences["mujoco"].startswith("refuses the file: an <inertial>")
+
+
 @pytest.mark.parametrize(("macro", "expected"), [(INERTIA, ["XAC007"]), (WHEEL, ["XML005", "XAC007"])])
 def test_a_call_in_the_file_of_another_package_is_told_there_and_not_what_it_would_make(
     tmp_path: Path, macro: str, expected: list[str]
@@ -1903,3 +1946,17 @@ def test_the_place_of_a_missing_parameter_is_the_call_and_not_a_block_in_it(tmp_
     assert finding.location.span is not None
     assert finding.location.span.line == 3
     assert not finding.location.via
+
+
+def test_a_call_that_hands_a_block_on_is_where_its_parameter_is_missing(tmp_path: Path) -> None:
+    """The block is typed in the call of the outer macro, and xacro evaluates it before the inner call fails."""
+    macros = (
+        '<xacro:macro name="lens" params="frame *at"><link name="${frame}"/></xacro:macro>\n'
+        '<xacro:macro name="camera" params="*at">\n<xacro:lens><xacro:insert_block name="at"/></xacro:lens></xacro:macro>\n'
+    )
+    text = macros + '<xacro:camera>\n<origin xyz="${1} 0 0"/></xacro:camera>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.message_id == "parameters-missing"
+    assert finding.location.span is not None
+    line, call = finding.location.span.line, (HEAD + BASE + text).splitlines()
+    assert call[line - 1].startswith("<xacro:lens>")

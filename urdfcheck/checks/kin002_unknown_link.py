@@ -24,6 +24,11 @@ _CARRYING = '{naming}, or add `<link name="{called}"/>` and the joint that carri
 # Another file may have been meant to complete this one, as an upper body does a lower one.
 _COMPLETING = "if {file}, which has {called}, completes this one, include both from one robot; otherwise "
 _ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
+# That robot has the link already: one more in this file would be a second one there.
+_INCLUDED = (
+    "load {file}, which includes this file and has {called}; to load this one alone, include it from a xacro file with "
+    '`<link name="{called}"/>`'
+)
 # Where no other file names the link, its robot is not known: it may be of another repository, or be put together by a program.
 _LEFT_OVER = (
     "no other robot file here names {called}: hand the file to a robot that has {called}, or correct the name; to load it alone, "
@@ -136,6 +141,8 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
     if edits and not _connects(model, graph, edits):
         near, edits = None, []
     if near is None:
+        from urdfcheck.model.likeness.whole_models import find_including_robot  # loaded only for such a file
+
         links = join_names(graph.links) or "none"
         has_root = _has_root(model, graph)
         # What a xacro file without a root or without a name hangs on is in the file that includes it.
@@ -143,7 +150,10 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         alone = _CARRYING if has_root and not is_child else _ADDING
         # To hang a robot without a root on one of its own links would close a loop.
         hangs = is_part or (not has_root and not is_child)
-        if hangs:
+        including = find_including_robot(model, called)
+        if including is not None:
+            file, template = format_path(including), _INCLUDED
+        elif hangs:
             file, template = Path(model.source.name).name, _choose_attachment(model, called)
         else:
             file, template = _find_completing_file(model, called), alone

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
@@ -34,6 +34,15 @@ _KINDS: tuple[tuple[str, Severity, Callable[[str, bool], bool]], ...] = (
     ("slash", Severity.INFO, lambda name, link: "/" in name[1 if link else 0 :]),
     ("digit", Severity.INFO, lambda name, _: name[:1].isdigit()),
 )
+
+# What is wrong with a name may be typed in the argument of a call or in a property that the name is made of.
+_TYPED: Mapping[str, Callable[[str], bool]] = {
+    "break": _has_break,
+    "space": _has_space,
+    "leading_slash": lambda text: text.startswith("/"),
+    "scope": lambda text: "::" in text,
+    "slash": lambda text: "/" in text,
+}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -75,12 +84,15 @@ def _build_findings(
     """Report all names with one mistake together: they come from one habit."""
     if parts:
         names = [part.name for part in parts]
-        own, typed = _locate_name(parts[0]), _find_typed_slash(parts[0]) if message == "slash_behind_nothing" else None
+        places = [_locate_mistake(part, message) for part in parts]
+        typed = _find_typed_slash(parts[0]) if message == "slash_behind_nothing" else None
+        at = places[0] if typed is None else Location(places[0].subject, typed[0])
+        others = {place.span: place for place in reversed(places) if place.span != at.span}
         finding = rule.finding(
             message,
-            at=own if typed is None else Location(own.subject, typed[0]),
+            at=at,
             severity=severity,
-            related=[_locate_name(part) for part in parts[typed is None : 10]],
+            related=list(reversed(others.values()))[:9],
             typed="" if typed is None else typed[1],
             names=join_names(f"'{spell_breaks(name)}'" for name in dict.fromkeys(names)),
             blanks=_describe_blanks(names),
@@ -100,6 +112,19 @@ def _find_typed_slash(part: Link | Joint) -> tuple[Span | None, str] | None:
         if text[:1] == "$" and literal[:1] == "/" == value[:1] and literal.count("/") == value.count("/"):
             return span, text
     return None
+
+
+def _locate_mistake(part: Link | Joint, message: str) -> Location:
+    """Return where what is wrong with a name is typed: at the name, or in what a call or a property gives it."""
+    name, own, is_wrong = part.element.attributes["name"], _locate_name(part), _TYPED.get(message)
+    if name.literal or is_wrong is None or is_wrong(EXPRESSION.sub("", name.typed)):
+        return own
+    for definition in name.collect_definitions():
+        text = EXPRESSION.sub("", definition.text) if definition.text else definition.value
+        if is_wrong(text) and definition.value in name.value:
+            steps = own.via if own.span is None else (*own.via, own.span)
+            return Location(own.subject, definition.span, tuple(step for step in steps if step != definition.span))
+    return own
 
 
 def _describe_blanks(names: Sequence[str]) -> str:

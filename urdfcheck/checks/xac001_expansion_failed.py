@@ -968,12 +968,25 @@ def _find_failing_element(failure: _ExpansionFailure) -> Element | None:
 
 
 def _find_call(failure: _ExpansionFailure) -> Element | None:
-    """Return the call of the macro that failed: xacro evaluates the blocks in it first, and the place may be the last of them."""
+    """Return the call of the macro that failed: xacro evaluates the blocks in it first, and the place may be the last of them.
+
+    A block that another macro hands on is typed in the call of that one, and the call that failed is a step on the way.
+    """
     innermost = element = _find_failing_element(failure)
     name = failure.macro.removeprefix("xacro:")
     while element is not None and element.tag.removeprefix("xacro:") not in {name, "call"}:
         element = element.parent
+    if element is None:
+        element = _find_step(failure, name)
     return innermost if element is None else element
+
+
+def _find_step(failure: _ExpansionFailure, name: str) -> Element | None:
+    """Return the innermost step on the way to the problem, if that is a call of this macro."""
+    via = failure.problem.location.via
+    tree = failure.source.trees.get(via[-1].file) if via else None
+    typed = () if tree is None else iter_elements_by_tag({via[-1].file: tree}, f"xacro:{name}")
+    return next((e for e in typed if e.span == via[-1]), None)
 
 
 def _find_macro_around(failure: _ExpansionFailure) -> str:

@@ -6,18 +6,20 @@ import fnmatch
 import math
 import re
 from collections import Counter
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.model_role import has_unprefixed_calls
+from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
 from urdfcheck.source.xacro.usage import (
+    ANY_TAG,
+    collect_lost_tags,
     collect_macros,
     collect_read_arguments,
     collect_uncalled_links,
@@ -42,7 +44,36 @@ WITHOUT_INERTIA = {
     "urdfdom": "drops the inertial, and with it every visual and collision of the link",
     "mujoco": "refuses the file: an <inertial> lacks its <inertia>",
 }
-
+# What programs do with a joint that has a call or a block in the place of its <limit> (JNT004).
+WITHOUT_LIMIT = {
+    "urdfdom": "refuses the file: a joint lacks its <limit>",
+    "bullet": "refuses the file: a joint lacks its <limit>",
+}
+# Rules that measure a robot where its joints put it.
+_RULES_ABOUT_PLACES = (
+    "COL001",
+    "COL002",
+    "COL005",
+    "COL006",
+    "DYN004",
+    "DYN005",
+    "DYN006",
+    "DYN007",
+    "SYM001",
+    "SYM002",
+)
+_RULES_ABOUT_MASS = ("INR015", "INR016", "DYN004", "DYN005", "DYN006", "DYN007")
+# What an element lacks, with the rules that report this of the link or the joint, and those that measure a robot by it.
+_LACKING: tuple[tuple[str, str, tuple[str, ...], tuple[str, ...]], ...] = (
+    ("joint", "limit", ("JNT004",), ("COL002", "COL005")),
+    ("joint", "axis", ("JNT003", "JNT015", "JNT021"), (*_RULES_ABOUT_PLACES, "SYM005")),
+    ("joint", "origin", ("JNT015", "JNT021"), _RULES_ABOUT_PLACES),
+    ("link", "inertial", ("INR001",), _RULES_ABOUT_MASS),
+    ("link", "collision", ("GEO002",), ()),
+    ("inertial", "mass", ("INR001", "INR002"), _RULES_ABOUT_MASS),
+    ("inertial", "inertia", ("INR001",), ()),
+    ("inertial", "origin", ("INR006", "INR009"), ()),
+)
 
 # Rules whose findings say what a robot lacks, or measure it as a whole: without the parts of a call it is not the author's robot.
 _RULES_ABOUT_WHOLE_ROBOTS = (
@@ -90,7 +121,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             listed=join_names(f"<{tag}>{format_repetition(times)}" for tag, times in tags.items()),
             times=format_repetition(len(elements)) if len(tags) == 1 else "",
             more=_describe_further_edits(tags, source.trees[name]) + _describe_release(source, name),
-            explains=explained,
+            # What follows from the tags that are left in the robot does not follow from those in a macro that is not called.
+            explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
             consequences=_describe_consequences(source, elements),
         )
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
@@ -202,13 +234,26 @@ def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[
     root = source.root
     if root is None:
         return {}
-    if has_unprefixed_calls(source, root) and not root.find_children("link"):
+    places = _collect_places(elements)
+    # A tag in a macro that is not called either loses only what it would make itself.
+    if not places.isdisjoint(_collect_places(list_unprefixed_calls(source, root))) and not root.find_children("link"):
         return WITHOUT_LINKS
-    places = {(e.span.file, e.span.start) for e in elements if e.span is not None}
-    without = (e for e in root.walk() if e.tag == "inertial" and e.find_child("inertia") is None)
-    if any(c.span is not None and (c.span.file, c.span.start) in places for e in without for c in e.children):
-        return WITHOUT_INERTIA
-    return {}
+    lacking = {needed for part in root.walk() if (needed := _find_lost_need(source, part, places))}
+    # What makes a parser refuse the file counts more than what it drops.
+    return (WITHOUT_INERTIA if "inertia" in lacking else {}) | (WITHOUT_LIMIT if "limit" in lacking else {})
+
+
+def _find_lost_need(source: Source, part: Element, places: Collection[tuple[str, int]]) -> str:
+    """Return what parsers need in an inertial or a joint and tags in it, which are at these places, would insert; else empty."""
+    needed = "inertia" if part.tag == "inertial" else "limit" if _needs_limit(part) else ""
+    is_left = any(c.span is not None and (c.span.file, c.span.start) in places for c in part.children)
+    if not needed or not is_left or part.find_child(needed) is not None:
+        return ""
+    return needed if not collect_lost_tags(source.trees, part).isdisjoint((needed, ANY_TAG)) else ""
+
+
+def _needs_limit(element: Element) -> bool:
+    return element.tag == "joint" and element.get("type") in {"revolute", "prismatic"}
 
 
 def _list_explained(source: Source) -> list[str]:
@@ -227,7 +272,23 @@ def _list_explained(source: Source) -> list[str]:
         if call.parent is not None and any(made.tag == "inertial" for made in macros[call.tag].element.walk())
     }
     explained += [f"INR001 {link}" for link in sorted(without_inertial)]
+    explained += _list_lacking(source, root)
     return explained + _list_joints_to(collect_uncalled_links(source.trees, root), root)
+
+
+def _list_lacking(source: Source, root: Element) -> list[str]:
+    """Return the claims about links and joints which lack what blocks, conditions and calls in them would insert."""
+    parents = {id(e.parent): e.parent for e in find_unprefixed_tags(source.trees, root) if e.parent not in (None, root)}
+    explained: dict[str, None] = {}
+    for element in filter(None, parents.values()):
+        part, lost = element, collect_lost_tags(source.trees, element)
+        while part.parent is not None and part.parent is not root:
+            part = part.parent
+        for parent, tag, codes, measuring in _LACKING:
+            if parent == element.tag and element.find_child(tag) is None and not lost.isdisjoint((tag, ANY_TAG)):
+                explained.update(dict.fromkeys(f"{code} {part.subject}" for code in codes))
+                explained.update(dict.fromkeys(f"{code} {WHOLE_RULE}" for code in measuring))
+    return list(explained)
 
 
 def _list_joints_to(made: set[str], root: Element) -> list[str]:
@@ -246,8 +307,12 @@ def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:
     """Return the files and offsets of the tags that are left in the robot: the file of another package is wrong there too."""
     if source.root is None or not source.is_xacro:
         return set()
-    left = find_unprefixed_tags(source.trees, source.root)
-    return {(element.span.file, element.span.start) for element in left if element.span is not None}
+    return _collect_places(find_unprefixed_tags(source.trees, source.root))
+
+
+def _collect_places(elements: Iterable[Element]) -> set[tuple[str, int]]:
+    """Return the files and offsets of elements, which tell a tag as typed from what is left of it in the robot."""
+    return {(element.span.file, element.span.start) for element in elements if element.span is not None}
 
 
 def _propose_edits(elements: Sequence[Element], root: Element, file: SourceFile) -> list[Edit]:

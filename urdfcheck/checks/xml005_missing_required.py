@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -18,7 +18,7 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags
+from urdfcheck.source.xacro.usage import ANY_TAG, collect_lost_tags
 
 # Other rules check a limit's effort and velocity, a joint's type and a safety controller's k_velocity.
 _CHILDREN = {
@@ -68,7 +68,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Finding]:
     missing = [tag for tag in _CHILDREN.get(element.tag, ()) if element.find_child(tag) is None]
-    if missing and not _is_left_to_call(model, element, missing):
+    lost = _collect_lost(model, element) if missing else set()
+    missing = [] if ANY_TAG in lost else [tag for tag in missing if tag not in lost]
+    if missing:
         tags = [f"<{tag}>" for tag in missing]
         yield rule.finding(
             "child",
@@ -81,15 +83,10 @@ def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Find
         )
 
 
-def _is_left_to_call(model: Model, element: Element, missing: Collection[str]) -> bool:
-    """Whether the element holds a macro call without its prefix that would make all that is missing (XAC007)."""
-    unknown = {child.tag for child in element.children if child.tag not in CHILDREN.get(element.tag, ())}
-    if not unknown or not model.source.is_xacro:
-        return False
-    macros = collect_macros(model.source.trees)
-    calls = find_unprefixed_tags(model.source.trees, element, only_calls=True)
-    made = {inner.tag for call in calls if call.parent is element for inner in macros[call.tag].element.walk()}
-    return made.issuperset(missing)
+def _collect_lost(model: Model, element: Element) -> set[str]:
+    """Return the tags that calls and blocks in the element would make if they had their prefix (XAC007)."""
+    is_known = all(child.tag in CHILDREN.get(element.tag, ()) for child in element.children)
+    return set() if is_known or not model.source.is_xacro else collect_lost_tags(model.source.trees, element)
 
 
 def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:

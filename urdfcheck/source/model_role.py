@@ -131,11 +131,18 @@ def _has_only_joints(tree: Element | None) -> bool:
 def has_unprefixed_calls(source: Source, root: Element) -> bool:
     """Whether a file calls macros that make links or joints, or includes files as a robot with a name, and only forgets the
     prefix: xacro copies the tags. The calls of a robot with a name may be in a file that it includes."""
+    return bool(list_unprefixed_calls(source, root))
+
+
+def list_unprefixed_calls(source: Source, root: Element) -> list[Element]:
+    """Return the calls and includes that only lack the prefix to make links or joints, as they are left in the robot."""
     if not source.is_xacro:
-        return False
+        return []
     macros, has_name = collect_macros(source.trees), "name" in root.attributes
-    return any(
-        call.parent is root
+    return [
+        call
+        for call in find_unprefixed_tags(source.trees, root)
+        if call.parent is root
         and call.span is not None
         and (has_name or call.span.file == source.name)
         and (
@@ -143,8 +150,7 @@ def has_unprefixed_calls(source: Source, root: Element) -> bool:
             if is_include(call)
             else call.tag in macros and any(e.tag in {"link", "joint"} for e in macros[call.tag].element.walk())
         )
-        for call in find_unprefixed_tags(source.trees, root)
-    )
+    ]
 
 
 def _is_library(source: Source) -> bool:

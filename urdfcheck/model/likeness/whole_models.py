@@ -12,6 +12,7 @@ from pathlib import Path
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.source.load import Source
+from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.values import parse_numbers
@@ -55,9 +56,37 @@ def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
     return None
 
 
+def find_including_robot(model: Model, link: str) -> Path | None:
+    """Return the robot file in reach that includes this one, itself or by way of others, and has a link of this name, or None."""
+    source = model.source
+    texts: dict[Path, str] = {}
+    for path in islice(_iter_robot_files(source, is_in_reach=True), _MOST_FILES):
+        try:
+            text = COMMENT.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
+        except OSError:
+            continue
+        if "include" in text:
+            texts[path] = text
+    own = os.path.realpath(source.path)
+    names = {source.path.name} if texts else set()
+    while names:
+        including = compile_includes(names)
+        found = [path for path, text in texts.items() if including.search(text)]
+        for path in found:
+            del texts[path]
+            trees = read_included_trees(path, source.finder)
+            # A package beside it may have a file of the same name.
+            files = {os.path.realpath(folder / Path(e.span.file).name) for e, folder in trees if e.span is not None}
+            spelled = {e.get("name") for tree, _ in trees for e in tree.walk() if e.tag == "link"}
+            if own in files and link in spelled:
+                return path
+        names = {path.name for path in found}
+    return None
+
+
 def is_named_elsewhere(model: Model, link: str) -> bool:
-    """Whether another robot file of the repository names this link, so that its robot is probably known there."""
-    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
+    """Whether another robot file in reach names this link, so that its robot is probably known there."""
+    for path in islice(_iter_robot_files(model.source, is_in_reach=True), _MOST_FILES):
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
@@ -121,10 +150,15 @@ def _find_colours_elsewhere(model: Model) -> Mapping[str, tuple[Path, str]]:
     return {name: (path, rgba) for name, (_, path, rgba) in found.items()}
 
 
-def _iter_robot_files(source: Source) -> Iterator[Path]:
-    """Yield the robot files of the repository around a model, or of its package, that the model does not use itself."""
+def _iter_robot_files(source: Source, *, is_in_reach: bool = False) -> Iterator[Path]:
+    """Yield the robot files of the repository around a model, or of its package, that the model does not use itself.
+
+    ``is_in_reach``: without a repository, those of the folder that the run was given too, which may hold other packages.
+    """
     used = {os.path.realpath(file.path) for file in source.files.values()}
     top, own = find_project_folder(source.path), source.path.absolute().parent
+    if is_in_reach and not (top / ".git").exists():
+        top = source.finder.find_project_above(top) or top
     if top.absolute() == own and own.parent.name.lower() in _ROBOT_FOLDERS:  # without a repository and a package
         top = own.parent
     for here, names, files in islice(walk(top), _MOST_FOLDERS):

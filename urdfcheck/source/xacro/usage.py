@@ -27,6 +27,8 @@ _REQUIRED_BY_TAG: Mapping[str, frozenset[str]] = {
     "unless": frozenset({"value"}),
     "insert_block": frozenset({"name"}),
 }
+# Stands for the tags of what a file does not show.
+ANY_TAG = "*"
 # Elements of other parsers than URDF's: a tag inside them may mean something else.
 _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
 
@@ -209,6 +211,42 @@ def find_unprefixed_tags(
             ):
                 unprefixed.append(element)
     return unprefixed
+
+
+def collect_lost_tags(trees: Mapping[str, Element], element: Element) -> set[str]:
+    """Return the tags that an expanded element lacks because what would put them there lacks the prefix: calls, conditions and
+    inserted blocks directly in it. ``ANY_TAG`` stands for what is not known."""
+    macros, lost = collect_macros(trees), set[str]()
+    for tag in find_unprefixed_tags(trees, element):
+        if tag.parent is not element:
+            continue
+        if tag.tag == "insert_block":
+            lost |= _find_block_tags(trees, tag)
+        elif tag.tag in {"if", "unless"}:
+            lost.update(inner.tag for child in tag.children for inner in child.walk())
+        elif tag.tag == "include":
+            lost.add(ANY_TAG)
+        elif tag.tag not in _REQUIRED_BY_TAG:
+            lost.update(inner.tag for inner in macros[tag.tag].element.walk())
+    return lost
+
+
+def _find_block_tags(trees: Mapping[str, Element], block: Element) -> set[str]:
+    """Return the tags of what the call gives for a block; ``ANY_TAG`` where that is not typed in the call."""
+    place = block.via[-1] if block.via else None
+    typed = trees[place.file].walk() if place is not None and place.file in trees else ()
+    call = next((e for e in typed if e.span is not None and e.span.start == place.start), None) if place else None
+    macro = None if call is None else collect_macros(trees).get(strip_namespace(call.tag))
+    name = block.get("name")
+    if call is None or macro is None or name not in macro.blocks:
+        return {ANY_TAG}
+    number = [parameter for parameter in macro.parameters if parameter in macro.blocks].index(name)
+    given = call.children[: number + 1]
+    if len(given) <= number or any(e.tag.startswith("xacro:") for e in given):
+        return {ANY_TAG}
+    is_content = f"**{name}" in macro.element.get("params").split()
+    tags = {e.tag for e in given[number].children} if is_content else {given[number].tag}
+    return {ANY_TAG if tag.startswith("xacro:") else tag for tag in tags}
 
 
 def defines_itself(element: Element) -> bool:
