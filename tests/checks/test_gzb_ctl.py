@@ -913,6 +913,19 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
 
 
+@pytest.mark.parametrize(("called", "expected"), [("", "optional"), ('<xacro:tag name="r/"/>', "unknown")])
+def test_a_part_whose_name_is_typed_like_the_reference_is_of_another_variant(
+    tmp_path: Path, called: str, expected: str
+) -> None:
+    """Where its macro made a part of another name, the reference is wrong."""
+    macro = f'<xacro:macro name="tag" params="name">{link("${name}tag_link")}</xacro:macro>'
+    block = '<xacro:property name="name" value="doris/"/><gazebo reference="${name}tag_link"><mu1>0.2</mu1></gazebo>'
+    (finding,) = find(
+        tmp_path, robot(link("base"), macro, called, block, xacro=True), "GZB001", name="robot.urdf.xacro"
+    )
+    assert finding.message_id == expected
+
+
 @pytest.mark.parametrize(
     ("name", "severity"), [("caster", Severity.INFO), ("base_1_base", Severity.INFO), ("basee", Severity.WARNING)]
 )
