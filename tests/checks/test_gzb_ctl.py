@@ -775,7 +775,7 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
         "drives.xacro": robot(f'<xacro:macro name="drives">{block}</xacro:macro>', xacro=True),
         "arm.urdf.xacro": robot(ARM, include, call, xacro=True),
         "block.urdf.xacro": robot(include, call, xacro=True),
-        "cart.urdf.xacro": robot(link("base"), include, call, xacro=True),
+        "cart.urdf.xacro": robot(ARM.replace('"j"', '"left"').replace('"k"', '"right"'), include, call, xacro=True),
     }
     (finding,) = find(tmp_path, files, "CTL001", name="cart.urdf.xacro")
     assert finding.location.span is not None
@@ -784,6 +784,14 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
     assert "they may be right for arm.urdf.xacro" in finding.fix.title
     assert not find(tmp_path, files, "CTL001", name="block.urdf.xacro")
     assert not find(tmp_path, files, "CTL001", name="arm.urdf.xacro")
+
+
+def test_a_description_of_hardware_alone_lacks_no_joints(tmp_path: Path) -> None:
+    body = '<ros2_control name="c" type="system"><joint name="lift"/><joint name="head"/></ros2_control>'
+    (finding,) = find(tmp_path, robot(link("base"), body), "CTL001")
+    assert (finding.message_id, finding.severity) == ("ros2_control-lone", Severity.INFO)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing for a controller manager before ROS 2 Jazzy")
 
 
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:
