@@ -54,8 +54,8 @@ def ids(findings: Iterable[Finding]) -> list[str]:
 def test_states_without_any_group_are_for_pinocchio(
     tmp_path: Path, groups: str, joint: str, expected: dict[str, Severity]
 ) -> None:
-    state = f'<group_state name="home" group="legs"><joint name="shoulder" value="0"/><joint name="{joint}" value="0"/></group_state>'
-    found = find_with_srdf(tmp_path, groups + state)
+    values = "".join(f'<joint name="{name}" value="0"/>' for name in ("shoulder", joint))
+    found = find_with_srdf(tmp_path, f'{groups}<group_state name="home" group="legs">{values}</group_state>')
     assert {f.message_id: f.severity for f in found} == expected
 
 
