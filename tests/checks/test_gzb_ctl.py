@@ -921,6 +921,17 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
 
 
+@pytest.mark.parametrize("around", ["gazebo", "transmission", "ros2_control"])
+def test_a_part_of_another_block_is_no_part_of_another_variant(tmp_path: Path, around: str) -> None:
+    text = robot(
+        link("base"),
+        f'<{around}><joint name="pad_joint"/></{around}><gazebo reference="pad_joint"><mu1>0.2</mu1></gazebo>',
+        xacro=True,
+    )
+    (finding,) = find(tmp_path, text, "GZB001", name="robot.urdf.xacro")
+    assert finding.message_id == "unknown"
+
+
 @pytest.mark.parametrize(("called", "expected"), [("", "optional"), ('<xacro:tag name="r/"/>', "unknown")])
 def test_a_part_whose_name_is_typed_like_the_reference_is_of_another_variant(
     tmp_path: Path, called: str, expected: str

@@ -30,6 +30,8 @@ _DEFAULTS = {
     "gravity": frozenset({"true", "1"}),
     **dict.fromkeys(("turnGravityOff", "self_collide", "selfCollide", "provideFeedback"), frozenset({"false", "0"})),
 }
+# What contains links and joints that are not those of URDF.
+_OTHER_BLOCKS = frozenset({"gazebo", "transmission", "ros2_control"})
 # Words that name what a part is.
 _SUFFIXES = ("_link", "_joint")
 
@@ -137,13 +139,21 @@ def _find_optional_part(model: Model, name: str, typed: Collection[str]) -> Elem
     from urdfcheck.source.xacro.argument_values import read_included_trees  # loaded only if a reference is unknown
 
     trees = read_included_trees(model.source.path, model.source.finder)
-    parts = [element for tree, _ in trees for element in tree.walk() if element.tag in {"link", "joint"}]
+    parts = [part for tree, _ in trees for part in tree.walk() if part.tag in {"link", "joint"} and _is_of_urdf(part)]
     elements = [*(link.element for link in model.links), *(joint.element for joint in model.joints)]
     names = (element.attributes.get("name") for element in elements)
     made = {None if attribute is None else attribute.span for attribute in names}
     # What made a part of another name would make this one where it is called for it.
     idle = (part for part in parts if part.get("name") in typed and part.attributes["name"].span not in made)
     return next((part for part in parts if part.get("name") == name), None) or next(idle, None)
+
+
+def _is_of_urdf(part: Element) -> bool:
+    """Whether a link or joint is one of the robot's: not of SDF, and not the mention of a joint in a block for controllers."""
+    around = part.parent
+    while around is not None and around.tag not in _OTHER_BLOCKS:
+        around = around.parent
+    return around is None
 
 
 def _is_of_sibling(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
