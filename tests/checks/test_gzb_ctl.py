@@ -775,7 +775,7 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
         "drives.xacro": robot(f'<xacro:macro name="drives">{block}</xacro:macro>', xacro=True),
         "arm.urdf.xacro": robot(ARM, include, call, xacro=True),
         "block.urdf.xacro": robot(include, call, xacro=True),
-        "cart.urdf.xacro": robot(link("base"), include, call, xacro=True),
+        "cart.urdf.xacro": robot(ARM.replace('"j"', '"left"').replace('"k"', '"right"'), include, call, xacro=True),
     }
     (finding,) = find(tmp_path, files, "CTL001", name="cart.urdf.xacro")
     assert finding.location.span is not None
@@ -784,6 +784,14 @@ def test_names_in_a_file_that_fits_another_robot_are_reported_where_this_one_use
     assert "they may be right for arm.urdf.xacro" in finding.fix.title
     assert not find(tmp_path, files, "CTL001", name="block.urdf.xacro")
     assert not find(tmp_path, files, "CTL001", name="arm.urdf.xacro")
+
+
+def test_a_description_of_hardware_alone_lacks_no_joints(tmp_path: Path) -> None:
+    body = '<ros2_control name="c" type="system"><joint name="lift"/><joint name="head"/></ros2_control>'
+    (finding,) = find(tmp_path, robot(link("base"), body), "CTL001")
+    assert (finding.message_id, finding.severity) == ("ros2_control-lone", Severity.INFO)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing for a controller manager before ROS 2 Jazzy")
 
 
 def test_a_transmission_of_the_pr2_may_name_its_joint_anywhere(tmp_path: Path) -> None:
@@ -911,6 +919,30 @@ def test_a_block_for_a_link_of_another_variant_is_an_info(tmp_path: Path) -> Non
     assert (finding.message_id, finding.severity) == ("optional", Severity.INFO)
     (unknown,) = find(tmp_path / "b", files | {"bumper.xacro": robot(xacro=True)}, "GZB001", name="robot.urdf.xacro")
     assert (unknown.message_id, unknown.severity) == ("unknown", Severity.WARNING)
+
+
+@pytest.mark.parametrize("around", ["gazebo", "transmission", "ros2_control"])
+def test_a_part_of_another_block_is_no_part_of_another_variant(tmp_path: Path, around: str) -> None:
+    text = robot(
+        link("base"),
+        f'<{around}><joint name="pad_joint"/></{around}><gazebo reference="pad_joint"><mu1>0.2</mu1></gazebo>',
+        xacro=True,
+    )
+    (finding,) = find(tmp_path, text, "GZB001", name="robot.urdf.xacro")
+    assert finding.message_id == "unknown"
+
+
+@pytest.mark.parametrize(("called", "expected"), [("", "optional"), ('<xacro:tag name="r/"/>', "unknown")])
+def test_a_part_whose_name_is_typed_like_the_reference_is_of_another_variant(
+    tmp_path: Path, called: str, expected: str
+) -> None:
+    """Where its macro made a part of another name, the reference is wrong."""
+    macro = f'<xacro:macro name="tag" params="name">{link("${name}tag_link")}</xacro:macro>'
+    block = '<xacro:property name="name" value="doris/"/><gazebo reference="${name}tag_link"><mu1>0.2</mu1></gazebo>'
+    (finding,) = find(
+        tmp_path, robot(link("base"), macro, called, block, xacro=True), "GZB001", name="robot.urdf.xacro"
+    )
+    assert finding.message_id == expected
 
 
 @pytest.mark.parametrize(

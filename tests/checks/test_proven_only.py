@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -47,6 +48,27 @@ def test_a_mesh_that_a_half_turn_maps_onto_itself_is_in_place(
     write_prism(tmp_path / "part.stl", corners)
     part = mesh("part.stl")
     assert bool(find(tmp_path, robot(link("a", visual(part), collision(part, rpy=f"0 0 {turn}"))), "GEO005")) == found
+
+
+@pytest.mark.parametrize(
+    ("edges", "place", "rpy", "found"),
+    [
+        (24, "0 0 0", "0 0 0.7", False),
+        (24, "0 0 0", "0 0 0.01", False),
+        (24, "0 0 0.0003", "0 0 0.7", True),  # moved, too
+        (24, "0 0 0", "0.7 0 0", True),
+        (6, "0 0 0", "0 0 0.7", True),
+        (6, "0 0 0", "0 0 0.01", True),
+    ],
+)
+def test_a_round_mesh_may_be_rotated_by_less_than_an_edge(
+    tmp_path: Path, edges: int, place: str, rpy: str, found: bool
+) -> None:
+    angles = [math.tau * n / edges for n in range(edges)]
+    write_prism(tmp_path / "part.stl", [(0.1 * math.cos(angle), 0.1 * math.sin(angle)) for angle in angles])
+    part = mesh("part.stl")
+    text = robot(link("a", visual(part), collision(part, xyz=place, rpy=rpy)))
+    assert bool(find(tmp_path, text, "GEO005")) == found
 
 
 # -- SYM001, SYM003 --------------------------------------------------------------------------------------------------------

@@ -43,6 +43,22 @@ def ids(findings: Iterable[Finding]) -> list[str]:
     return [f.message_id for f in findings]
 
 
+@pytest.mark.parametrize(
+    ("groups", "joint", "expected"),
+    [
+        ("", "world_joint", {"joint": Severity.INFO, "no-groups": Severity.INFO}),
+        ("", "elbw", {"joint": Severity.ERROR, "no-groups": Severity.INFO}),
+        (GROUP, "world_joint", {"joint": Severity.ERROR, "group": Severity.ERROR}),
+    ],
+)
+def test_states_without_any_group_are_for_pinocchio(
+    tmp_path: Path, groups: str, joint: str, expected: dict[str, Severity]
+) -> None:
+    values = "".join(f'<joint name="{name}" value="0"/>' for name in ("shoulder", joint))
+    found = find_with_srdf(tmp_path, f'{groups}<group_state name="home" group="legs">{values}</group_state>')
+    assert {f.message_id: f.severity for f in found} == expected
+
+
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 # A robot whose hand an argument chooses: the name of its joint is nowhere as it is.
 WITH_HAND = (

@@ -65,7 +65,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     if others
                     else "",
                 )
-        if foreign:
+        if foreign and tag == "ros2_control" and not model.joints:
+            yield _build_lone_finding(rule, foreign)
+        elif foreign:
             left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
             yield _build_foreign_finding(model, rule, tag, foreign, left, severity=severity, consequences=consequences)
 
@@ -107,6 +109,23 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
     """Return the joints that blocks of a kind name: an unknown name beside them means another one."""
     blocks = model.robot.find_children(tag)
     return {element.get("name") for block in blocks for element in block.walk() if element.tag == "joint"}
+
+
+def _build_lone_finding(rule: Rule, names: list[Attribute]) -> Finding:
+    """Report the names of a description without joints: a controller manager reads it for the hardware, and another description
+    has the robot."""
+    places = {name.span: name for name in names}
+    typed = list(dict.fromkeys(name.value for name in names))
+    finding = rule.finding(
+        "ros2_control-lone",
+        at=names[0],
+        severity=Severity.INFO,
+        related=list(places.values())[1:],
+        joints=join_names(typed),
+        which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
+        them="it" if len(typed) == 1 else "them",
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
 
 
 def _build_foreign_finding(

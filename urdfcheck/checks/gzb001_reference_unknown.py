@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -14,6 +14,7 @@ from urdfcheck.model.use.gazebo_starts import is_left_out_of_gazebo
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.uses_elsewhere import find_other_includers
 
 # What Gazebo reads for a link only, and for a joint only: the other kind is not what a block with it means.
 _OF_LINKS = frozenset({
@@ -29,6 +30,8 @@ _DEFAULTS = {
     "gravity": frozenset({"true", "1"}),
     **dict.fromkeys(("turnGravityOff", "self_collide", "selfCollide", "provideFeedback"), frozenset({"false", "0"})),
 }
+# What contains links and joints that are not those of URDF.
+_OTHER_BLOCKS = frozenset({"gazebo", "transmission", "ros2_control"})
 # Words that name what a part is.
 _SUFFIXES = ("_link", "_joint")
 
@@ -48,7 +51,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if templates:
         yield _build_template_finding(rule, templates)
     for name, uses in unknown.items():
-        optional = _find_optional_part(model, name)
+        meant = _list_meant(model, free, uses)
+        near = _find_by_suffix(name, meant) or find_only_near_name(name, meant, SLIP_LIKENESS)
+        hint = _hint_fixed_joint(model, free, uses) or format_name_hint(name, meant)
+        # How a reference is typed says less than its name: where it is like one of the robot, that is meant.
+        typed = {use.typed for use in uses if "$" in use.typed and near is None and not hint}
+        optional = _find_optional_part(model, name, typed)
         if optional is not None:
             yield rule.finding(
                 "optional",
@@ -59,7 +67,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 kind=optional.tag,
                 content=_join_child_tags(uses),
             )
-        elif _is_of_sibling(model, name, uses):
+        elif _is_of_sibling(model, name, uses) or (typed and _is_typed_by_sibling(model, uses)):
             yield rule.finding(
                 "shared",
                 at=uses[0],
@@ -69,9 +77,6 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 content=_join_child_tags(uses),
             )
         elif not UNFILLED.search(name):
-            meant = _list_meant(model, free, uses)
-            near = _find_by_suffix(name, meant) or find_only_near_name(name, meant, SLIP_LIKENESS)
-            hint = _hint_fixed_joint(model, free, uses) or format_name_hint(name, meant)
             # A colour is nothing that a simulation misses, unless a slip in the name shows what it is for.
             is_colour = {child.tag for use in uses for child in use.owner.children} == {"material"}
             is_lost_colour = is_colour and near is None and not hint
@@ -124,15 +129,31 @@ def _find_by_suffix(name: str, known: set[str]) -> str | None:
     return found.pop() if len(found) == 1 else None
 
 
-def _find_optional_part(model: Model, name: str) -> Element | None:
-    """Return the link or joint of this name in a file that the model can include, which this variant leaves out."""
+def _find_optional_part(model: Model, name: str, typed: Collection[str]) -> Element | None:
+    """Return the link or joint of this name in a file that the model can include, which this variant leaves out.
+
+    ``typed``: texts with expressions that give the name; a link or joint whose name is typed so and that nothing made is meant.
+    """
     if not model.source.is_xacro:
         return None
     from urdfcheck.source.xacro.argument_values import read_included_trees  # loaded only if a reference is unknown
 
     trees = read_included_trees(model.source.path, model.source.finder)
-    elements = (element for tree, _ in trees for element in tree.walk())
-    return next((e for e in elements if e.tag in {"link", "joint"} and e.get("name") == name), None)
+    parts = [part for tree, _ in trees for part in tree.walk() if part.tag in {"link", "joint"} and _is_of_urdf(part)]
+    elements = [*(link.element for link in model.links), *(joint.element for joint in model.joints)]
+    names = (element.attributes.get("name") for element in elements)
+    made = {None if attribute is None else attribute.span for attribute in names}
+    # What made a part of another name would make this one where it is called for it.
+    idle = (part for part in parts if part.get("name") in typed and part.attributes["name"].span not in made)
+    return next((part for part in parts if part.get("name") == name), None) or next(idle, None)
+
+
+def _is_of_urdf(part: Element) -> bool:
+    """Whether a link or joint is one of the robot's: not of SDF, and not the mention of a joint in a block for controllers."""
+    around = part.parent
+    while around is not None and around.tag not in _OTHER_BLOCKS:
+        around = around.parent
+    return around is None
 
 
 def _is_of_sibling(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
@@ -141,6 +162,18 @@ def _is_of_sibling(model: Model, name: str, uses: Sequence[Attribute]) -> bool:
     typed = {None if use.span is None else use.span.file for use in uses}
     is_included = model.source.is_output_of_xacro or model.source.name not in typed
     return is_included and any(package_names(model).is_spelled_elsewhere(kind, name) for kind in ("link", "joint"))
+
+
+def _is_typed_by_sibling(model: Model, uses: Sequence[Attribute]) -> bool:
+    """Whether all blocks are in files that other files of the package include too, and one that the model does not use has a link
+    or joint whose name is typed like the reference, ``${name}_finger``: the blocks are for several robots."""
+    names = package_names(model)
+    return all(
+        use.span is not None
+        and any(names.is_typed_elsewhere(kind, use.typed) for kind in ("link", "joint"))
+        and find_other_includers(model.source, use.span.file)
+        for use in uses
+    )
 
 
 def _build_template_finding(rule: Rule, uses: list[Attribute]) -> Finding:

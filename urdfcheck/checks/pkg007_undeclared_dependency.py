@@ -38,6 +38,8 @@ _EXAMPLE_FOLDERS = frozenset({"example", "examples"})
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
+# The program that a node of a launch file starts.
+_PROGRAM = re.compile(r"""\b(?:type|exec)\s*=\s*["']([^"']+)["']""")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
 # A comment of package.xml, and a dependency in it.
@@ -101,11 +103,16 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     named = set(missing)
     core = _IN_ROS_CORE[name_launch_command(root)]
     started = _collect_started(package, declared | core) if missing else {}
-    # The program of a package that a launch file starts is in no copy of its files.
-    homes = {name: _find_home(package, name, uses) for name, uses in missing.items() if name not in started}
+    # The program of a package that a launch file starts is in no copy of its files, unless the package was renamed.
+    own = {name for name, uses in started.items() if name in missing and all(_is_of_own(use, package) for use in uses)}
+    homes = {
+        name: _find_home(package, name, uses) for name, uses in missing.items() if name not in started.keys() - own
+    }
     misnamed = {name: home for name, home in homes.items() if home is not None}
     for name, home in misnamed.items():
-        yield _build_misnamed_finding(package, rule, root, name=name, uses=missing.pop(name), home=home)
+        yield _build_misnamed_finding(
+            package, rule, root, name=name, uses=missing.pop(name), home=home, is_renamed=name in own
+        )
     missing = _drop_uses_of_ros1(missing, root)
     for name in [n for n, uses in missing.items() if not (_find_package(package, n) or _are_in_launch_files(uses))]:
         del missing[name]  # a folder of that name is no package
@@ -458,8 +465,16 @@ def _drop_uses_of_ros1(
 
 
 def _build_misnamed_finding(
-    package: Package, rule: Rule, root: Element, *, name: str, uses: Sequence[PackageMention], home: tuple[str, str]
+    package: Package,
+    rule: Rule,
+    root: Element,
+    *,
+    name: str,
+    uses: Sequence[PackageMention],
+    home: tuple[str, str],
+    is_renamed: bool,
 ) -> Finding:
+    """Report a name whose files are in another package. ``is_renamed``: the programs too, in this one."""
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     owner, path = home
     launcher = name_launch_command(root)
@@ -467,6 +482,8 @@ def _build_misnamed_finding(
     is_released = name in read_released_packages()
     if is_left_over:
         repair = "delete the launch files that were left from ROS 1, or translate them if they are still needed"
+    elif is_renamed:
+        repair = f"write `{owner}` for {name}, if that is the package's old name: all that is named of it is here"
     elif is_released:
         repair = f"declare it: `<{runtime}>{name}</{runtime}>`; or write `{owner}` and the path `{path}` if that file is meant"
     else:
@@ -505,6 +522,25 @@ def _is_in_launch_file_of_ros1(use: PackageMention) -> bool:
     except OSError:
         return False
     return _ROS1_LAUNCH.search(text) is not None
+
+
+def _is_of_own(use: PackageMention, package: Package) -> bool:
+    """Whether a launch file in XML starts a program of another package that this one has, too."""
+    span = use.location.span
+    text = "" if span is None or span.file.endswith(".py") else read_text_or_nothing(Path(span.file))
+    if span is None or not text:
+        return False
+    tag = text[text.rfind("<", 0, span.start) : text.find(">", span.end) + 1]
+    program = _PROGRAM.search(tag)
+    if program is None or "$" in program[1]:
+        return False
+    files = islice(iter_package_files(package, package.path), _MOST_FILES)
+    if any(path.name == program[1] for path in files):
+        return True
+    build = package.path / "CMakeLists.txt"
+    can_read = package.finder is not None and package.finder.can_open(build)
+    built = re.compile(rf"\badd_executable\s*\(\s*{re.escape(program[1])}\s")
+    return can_read and built.search(read_text_or_nothing(build)) is not None
 
 
 def _find_home(package: Package, name: str, uses: Sequence[PackageMention]) -> tuple[str, str] | None:

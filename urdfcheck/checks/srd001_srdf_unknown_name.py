@@ -166,7 +166,16 @@ def _check_unknown_names(
             where=_describe_element(attributes[0].owner),
             name=name,
             near=format_name_hint(name, candidates),
+            # A slip loses the value of a joint for Pinocchio too.
+            severity=Severity.INFO if near is None and not srdf.groups and all(map(_is_in_state, attributes)) else None,
         )
+
+
+def _is_in_state(attribute: Attribute) -> bool:
+    """Whether a name is that of a state's group or joint. A description of states alone is not for MoveIt: Pinocchio reads their
+    joints, and no group."""
+    owner = attribute.owner
+    return "group_state" in {owner.tag, owner.parent.tag if owner.parent is not None else ""}
 
 
 def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
@@ -176,6 +185,15 @@ def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
         if use.name not in srdf.groups:
             known = srdf.groups if len(reported) < MAX_HINTS else ()
             reported.add(use.name)
+            if not srdf.groups and _is_in_state(use.attribute):
+                yield rule.finding(
+                    "no-groups",
+                    at=use.attribute,
+                    severity=Severity.INFO,
+                    where=_describe_element(use.attribute.owner),
+                    name=use.name,
+                )
+                continue
             near = find_only_near_name(use.name, known)
             yield rule.finding(
                 "group",

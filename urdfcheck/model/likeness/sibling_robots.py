@@ -67,6 +67,10 @@ class PackageNames:
         """Whether a file that the model itself does not use has a ``kind`` of exactly this name."""
         return name in self._other_names.literal[kind]
 
+    def is_typed_elsewhere(self, kind: str, text: str) -> bool:
+        """Whether a file that the model itself does not use types the name of a ``kind`` so, with the same expressions."""
+        return text in self._other_names.typed[kind]
+
     def _can_files_have(self, kind: str, name: str, files: _DeclaredNames) -> bool:
         if name in files.literal[kind] or len(name) > _LONGEST:
             return True
@@ -135,6 +139,8 @@ class _DeclaredNames:
     def __init__(self, texts: list[str]) -> None:
         self.literal: dict[str, set[str]] = {"joint": set(), "link": set()}
         """Spelled out."""
+        self.typed: dict[str, set[str]] = {"joint": set(), "link": set()}
+        """As they stand in the texts."""
         self.patterns: dict[str, set[re.Pattern[str]]] = {"joint": set(), "link": set()}
         """With expressions, one group for each."""
         self.anything: dict[str, set[str]] = {"joint": set(), "link": set()}
@@ -142,6 +148,7 @@ class _DeclaredNames:
         for text in texts:
             for match in _NAMED.finditer(text):
                 kind, name = match.group(1), match.group(2) or match.group(3) or ""
+                self.typed[kind].add(name)
                 fixed = _EXPRESSION.split(name)
                 if len(fixed) == 1:
                     self.literal[kind].add(name)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from itertools import permutations, product
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Edit, Located
 from urdfcheck.core.records import dataclass
@@ -14,10 +15,18 @@ from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 
+if TYPE_CHECKING:
+    from urdfcheck.facts.arrays import Array
+    from urdfcheck.facts.mesh.measure import MeshFacts
+
 # The differences that count unless a configuration says otherwise (m, rad); the page of GEO005 has the reasons.
 MIN_DISTANCE, MIN_ANGLE = 1e-4, 2e-3
 # In which two outlines are compared.
 _DIRECTIONS = 256
+# A mesh is round about an axis if its reach there varies by at most this share: that of a circle drawn with 16 edges.
+_ROUND = 0.02
+# In which it is measured.
+_AROUND = 72
 # What rounding leaves (m, rad).
 _NO_DISTANCE, _NO_ANGLE = 1e-9, 1e-6
 # The orders of three axes that a rotation brings about without a mirror.
@@ -118,7 +127,9 @@ def list_displaced_collisions(
 
     def is_same_pose(one: PlacedShape, other: PlacedShape) -> bool:
         moved, turned = one.measure_difference(other)
-        return (moved <= distance and turned <= angle) or (turned > angle and _covers(model, one, other, distance))
+        if moved <= distance and turned <= angle:
+            return True
+        return turned > angle and _covers(model, one, other, distance, in_place=moved <= distance)
 
     for link in model.links:
         for visuals, collisions in _group_by_shape(model, link):
@@ -154,9 +165,13 @@ def _place_shapes(model: Model, shapes: Sequence[Shape]) -> Iterator[PlacedShape
             yield PlacedShape(shape, (shape.kind or "") if use is None else use.name, placement)
 
 
-def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float) -> bool:
+def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float, *, in_place: bool) -> bool:
     """Whether a mesh takes the same room in two places, to within ``distance`` (m): hull and surface are symmetric under the
-    rotation. False where the mesh was not read."""
+    rotation. False where the mesh was not read.
+
+    ``in_place``: it is only rotated; a mesh that is round about the axis of the rotation, but for the edges of its outline, then
+    takes the same room.
+    """
     facts, scale = model.meshes.get_facts(one.shape), compute_drawn_scale(model, one.shape)
     if facts is None or scale is None:
         return False
@@ -167,6 +182,8 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
     factors = np.array(scale)
     turns = [np.array(placed.placement.rotation) for placed in (one, other)]
     places = [np.array(placed.placement.place) for placed in (one, other)]
+    if in_place:
+        distance = max(distance, _measure_edges(facts, factors, turns))
     covariance = facts.surface_covariance * np.outer(factors, factors)
     centroid, centroid_2 = (
         turn @ (factors * facts.surface_centroid) + place for turn, place in zip(turns, places, strict=True)
@@ -182,6 +199,22 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float)
         for turn, place in zip(turns, places, strict=True)
     )
     return bool(np.abs(reach - reach_2).max() <= distance)
+
+
+def _measure_edges(facts: MeshFacts, factors: Array, turns: Sequence[Array]) -> float:
+    """Return how far the outline of a mesh that is round about the axis between two rotations may be from a circle (m).
+
+    0 for a mesh that is not round.
+    """
+    import numpy as np
+
+    axis = np.linalg.svd(turns[1] @ turns[0].T - np.eye(3))[2][-1]
+    across = np.linalg.svd(axis[np.newaxis])[2][1:]
+    angles = np.linspace(0.0, math.tau, _AROUND, endpoint=False)
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=1) @ across @ turns[0]
+    reach = facts.compute_reach(around * factors) - around @ (factors * facts.surface_centroid)
+    allowed = _ROUND * float(reach.max())
+    return allowed if reach.max() - reach.min() <= allowed else 0.0
 
 
 def _measure_angle(shape: Shape, turn: Matrix) -> float:

@@ -14,6 +14,7 @@ from urdfcheck.source.package.installed_files import (
     MOST_ENTRIES,
     InstalledEntry,
     InstalledFiles,
+    find_part_of_share,
     find_share_place,
     has_magic,
     normalize_source,
@@ -312,16 +313,24 @@ class _CmakeReader:
 
     def add_folders(self, folders: Sequence[str], destination: str, options: Sequence[str] = ()) -> None:
         target = self.find_target(destination)
-        if target is None:
+        if target is None and "$" in destination:
             return
         wanted, excluded = _read_patterns(options)
         for folder in folders:
             source = self.normalize_path(folder)
             if source is None or "${" in folder or has_magic(folder):
-                self.is_complete = False
+                self.is_complete &= target is None
                 continue
             whole = folder.endswith(("/", "/.")) or folder == "." or not source
-            place = target if whole else posixpath.join(target, posixpath.basename(source))
+            name = "" if whole else posixpath.basename(source)
+            if target is not None:
+                place = posixpath.join(target, name) if name else target
+            else:
+                # The tree may be as it is in the install prefix: share/ with a folder of the package's name in it.
+                inside = find_part_of_share(posixpath.join(destination, name), self.package)
+                if inside is None:
+                    continue
+                source, place = posixpath.join(source, inside) if inside else source, ""
             entry = InstalledEntry(source=source, target=place, kind="folder", wanted=wanted, excluded=excluded)
             self.entries.append(entry)
 

@@ -155,6 +155,15 @@ def find_share_place(destination: str, package: str) -> str | None:
     return _strip_folder(_normalize_place(destination).lstrip("/"), f"share/{package}")
 
 
+def find_part_of_share(destination: str, package: str) -> str | None:
+    """Return the part of a folder that is the share folder of a package once the folder is installed at a destination around it.
+
+    None for another destination.
+    """
+    share, around = f"share/{package}", _normalize_place(destination).lstrip("/")
+    return _strip_folder(share, around)
+
+
 def _normalize_place(text: str) -> str:
     place = posixpath.normpath(text.replace("\\", "/"))
     return "" if place == "." else place
