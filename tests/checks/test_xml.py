@@ -1656,7 +1656,11 @@ def test_a_copy_of_a_part_that_a_xacro_includes_from_elsewhere_is_a_note(tmp_pat
 @pytest.mark.parametrize(
     ("beside", "severity", "repair"),
     [
-        ("<visual><geometry><sphere radius='1'/></geometry></visual>", Severity.INFO, "delete it: the link has other shapes"),
+        (
+            "<visual><geometry><sphere radius='1'/></geometry></visual>",
+            Severity.INFO,
+            "delete it: the link has other shapes",
+        ),
         ("", Severity.WARNING, "move it into <visual> or <collision>"),
     ],
 )

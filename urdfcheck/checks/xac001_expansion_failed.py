@@ -69,6 +69,8 @@ _PATH = re.compile(r"(?<![\w./])/[^\s'\",:]+")
 _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
+# What stops an expansion with some values of its arguments, and not with others.
+_OF_VALUES = frozenset({"undefined-name", "macro-conditional", "file-name-empty"})
 # The name of an argument in the options of the command.
 _OPTION = re.compile(r"--arg '?([\w.-]+):=")
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
@@ -133,7 +135,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         expression = problem.data.get("evaluated") or typed
         failure = _ExpansionFailure(source=source, problem=problem, reason=reason, expression=expression)
         report = _classify_failure(failure)
-        passing = _find_passing_launch(source, str(report.data.get("remedy", "")))
+        remedy = str(report.data.get("remedy", "")) if report.message in _OF_VALUES else ""
+        passing = _find_passing_launch(source, remedy)
         if passing is not None:
             report.data["repair"] += f"; {format_path(passing)} passes one, known only at launch"
         finding = rule.finding(

@@ -311,7 +311,7 @@ def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:
 
 
 def _collect_places(elements: Iterable[Element]) -> set[tuple[str, int]]:
-    """Return the files and offsets of elements, which tell a tag as typed from what is left of it in the robot."""
+    """Return the files and offsets of elements: those of a tag as it is typed, and of what is left of it in the robot."""
     return {(element.span.file, element.span.start) for element in elements if element.span is not None}
 
 

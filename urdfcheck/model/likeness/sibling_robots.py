@@ -140,7 +140,7 @@ class _DeclaredNames:
         self.literal: dict[str, set[str]] = {"joint": set(), "link": set()}
         """Spelled out."""
         self.typed: dict[str, set[str]] = {"joint": set(), "link": set()}
-        """As they stand in the texts."""
+        """As they are typed."""
         self.patterns: dict[str, set[re.Pattern[str]]] = {"joint": set(), "link": set()}
         """With expressions, one group for each."""
         self.anything: dict[str, set[str]] = {"joint": set(), "link": set()}

@@ -169,8 +169,8 @@ def _covers(model: Model, one: PlacedShape, other: PlacedShape, distance: float,
     """Whether a mesh takes the same room in two places, to within ``distance`` (m): hull and surface are symmetric under the
     rotation. False where the mesh was not read.
 
-    ``in_place``: it is only rotated; a mesh that is round about the axis of the rotation, but for the edges of its outline, then
-    takes the same room.
+    ``in_place``: it is only rotated; a mesh that is round about the axis of the rotation, apart from the edges of its outline,
+    then takes the same room.
     """
     facts, scale = model.meshes.get_facts(one.shape), compute_drawn_scale(model, one.shape)
     if facts is None or scale is None:
