@@ -1102,3 +1102,14 @@ def test_a_plugin_of_classic_shows_that_sensors_of_one_name_are_loaded(tmp_path:
     (finding,) = find(tmp_path, robot(ARM, sonar * 3), "GZB004")
     assert (finding.message_id, finding.severity) == ("shared", Severity.INFO)
     assert finding.message == "a has 3 sensors named range; they share one topic"
+
+
+def test_blocks_with_the_names_of_fixed_joints_may_be_for_those_that_move(tmp_path: Path) -> None:
+    fixed = "".join(
+        f'<link name="{n}_plate"/><joint name="{n}" type="fixed"><parent link="base"/><child link="{n}_plate"/></joint>'
+        for n in ("p", "q")
+    )
+    blocks = control().replace('"j"', '"p"').replace('"k"', '"q"')
+    (finding,) = (f for f in find(tmp_path, robot(ARM + fixed, blocks), "CTL002") if f.message_id == "fixed")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("name the joints that move there (j, k have no drive), or ")

@@ -160,6 +160,14 @@ def _describe_mimic_repair(joint: Element) -> str:
 def _build_fixed_finding(model: Model, rule: Rule, what: str, elements: Sequence[Element]) -> Finding:
     """Report together what commands fixed joints."""
     joints = [model.joint_by_name[element.get("name")] for element in elements]
+    words = _collect_control_words(model)
+    # The joints that move may have other names than the blocks that are for them.
+    moving = [joint.name for joint in model.joints if joint.type in _DRIVABLE and joint.name not in words]
+    others = (
+        f"name the joints that move there ({join_names(moving)} have no drive), or "
+        if len(moving) >= len(joints)
+        else ""
+    )
     finding = rule.finding(
         "fixed",
         at=elements[0],
@@ -171,6 +179,6 @@ def _build_fixed_finding(model: Model, rule: Rule, what: str, elements: Sequence
         verb="is fixed and cannot move, but has" if len(joints) == 1 else "are fixed and cannot move, but have",
         repair=f"if the joint is to move, change its type; otherwise leave out its {what}"
         if len(joints) == 1
-        else f"change the types of the joints that are to move, and leave out the {what}s of the others",
+        else f"{others}change the types of the joints that are to move, and leave out the {what}s of the others",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(element.location.subject for element in elements)))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -44,6 +45,9 @@ _FRAMES = PLUGIN_FRAME_TAGS | {OPTICAL_FRAME_TAG}
 _NEW_GAZEBO_FRAMES = frozenset({"gz_frame_id", "ignition_frame_id"})
 # Frames that other programs publish.
 _EXTERNAL_FRAMES = frozenset({"world", "map", "odom", "earth", "ground_plane"})
+# An optical frame is inside its camera, at most this far from the frame of it (m). Chosen: the lenses of a depth camera are 15 mm
+# apart, and the cameras of a rig 60 mm.
+_BESIDE = 0.03
 # Each unknown frame is compared with all links; more links than this were generated and not typed.
 _MOST_COMPARED = 1_000
 # Of two names without the words "link" and "frame".
@@ -230,7 +234,8 @@ def _is_published(model: Model, frame: str) -> bool:
 
 
 def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
-    """Return the only optical frame on a camera's link or below it: pictures are stamped with that (REP 103)."""
+    """Return the only optical frame on a camera's link or below it: pictures are stamped with that (REP 103). Not one that is
+    elsewhere: a camera without a pose is where its link is."""
     if not CAMERA_TYPE.search(sensor.type) or sensor.reference not in model.link_by_name:
         return None
     try:
@@ -242,7 +247,10 @@ def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
         link = waiting.pop()
         found += [link] if "optical" in link.lower() else []
         waiting += [joint.child for joint in children.get(link, ()) if joint.type == "fixed"]
-    return found[0] if len(found) == 1 else None
+    if len(found) != 1 or sensor.element.find_child("pose") is not None:
+        return found[0] if len(found) == 1 else None
+    places = [model.frames[name][:3, 3] for name in (sensor.reference, found[0])]
+    return found[0] if math.dist(*places) < _BESIDE else None
 
 
 def _guess_frame(frame: str, sensor: GazeboSensor, model: Model, *, taken: AbstractSet[str]) -> str | None:

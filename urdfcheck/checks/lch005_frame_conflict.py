@@ -208,8 +208,11 @@ def _lacks_frames(launch: Launch, transform: StaticTransform) -> bool:
 
 def _is_frame_used(launch: Launch, frame: str) -> bool:
     """Whether a file of the project names the frame apart from the exporter's line, as far as that is known."""
+    project = find_project_folder(launch.path)
+    if not (project / ".git").exists():  # the folder that was given may hold other packages
+        project = launch.finder.find_project_above(project) or project
     # The walk itself is cut off, so the order of the folders does not decide.
-    files = list(itertools.islice(_iter_naming_files(find_project_folder(launch.path)), _MOST_FILES + 1))
+    files = list(itertools.islice(_iter_naming_files(project), _MOST_FILES + 1))
     return len(files) > _MOST_FILES or any(_names_frame(launch, path, frame) for path in files)
 
 

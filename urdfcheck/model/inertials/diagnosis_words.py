@@ -206,6 +206,8 @@ def collect_message_data(
         size = compare_sizes(*_pair_moments(declared, drawn), "{inertia} {factor}× too {size}", digits=2)
         apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
     cause = diagnosis.cause or ""
+    if cause == "com_missing" and apart and source != "the drawn part":
+        measured = f"the COM is {apart} off"  # a shape that stands for the part is no measure of its tensor
     doubted = f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, diagnosis.detail)}"
     return {
         "link": link.name,
