@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, box, collision, find, inertial, joint, link, mesh, robot, sphere, visual
+from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, link, mesh, robot, sphere, visual
 from castings import CASTING, Block, drawn_boxes, format_inertial, geometry, uniform
 
 from urdfcheck.core import Severity
@@ -319,3 +319,15 @@ def test_a_mass_in_a_comment_is_the_one_of_the_tensor(tmp_path: Path, comment: s
     assert finding.fix is not None
     assert finding.fix.title.endswith("if the part weighs that much") == is_named
     assert not (is_named and finding.fix.edits), "the file does not show which of the two is right"
+
+
+@pytest.mark.parametrize("rpy", ["1.5707963267948966 0 0", ""])
+def test_a_rotated_frame_around_the_tensor_of_a_wheel_is_named_beside_its_axes(tmp_path: Path, rpy: str) -> None:
+    """The other way to exchange y and z is an ``rpy`` that the tensor was not computed for."""
+    across, along = 0.06 * (3 * 0.05**2 + 0.02**2) / 12, 0.06 * 0.05**2 / 2
+    iyy, izz = (across, along) if rpy else (along, across)
+    text = arm_on_base(inertial(0.06, rpy=rpy, ixx=across, iyy=iyy, izz=izz), visual(cylinder(0.05, 0.02)))
+    (finding,) = find(tmp_path, text, {"INR009"})
+    assert finding.fix is not None
+    assert ('rpy="0 0 0"' in finding.fix.title) == bool(rpy)
+    assert ("no other single edit brings them so near" in finding.message) == (not rpy)

@@ -14,6 +14,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
+from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
 from urdfcheck.facts.inertials.published_parts import name_published_part
 from urdfcheck.facts.median import compute_median
@@ -130,6 +131,8 @@ _OF_COM = frozenset({"com_missing", "com_unit", "mesh_frame"})
 _NEAR = 0.25
 # Of a tensor that only has other axes, digits and facets leave less than this share (chosen).
 _OF_AXES, _RIGHT = frozenset({"axes_permuted", "slots_swapped", "slots_shifted"}), 0.1
+# Where the frame of an inertial is rotated and its tensor is not.
+_NO_RPY = 'rpy="0 0 0" in the <origin> of the inertial'
 # Messages that a note on the small effect of a mistake takes the place of.
 _WITH_EFFECT = frozenset({"cause", "exact", "named", "size", "unnamed"})
 # Messages that leave open which number is wrong, or say that none matters.
@@ -547,6 +550,7 @@ def _build_cause_finding(
     without_edits |= message == "named" and _is_in_doubtful_file(model, cause)
     if has_little_effect and not vast and message in _WITH_EFFECT:
         message = "slight"
+    is_straight = message == "exact" and cause in _OF_AXES and _fits_without_rpy(model, link, judged)
     return rule.finding(
         message,
         at=tensor.element if mended is None else _locate_repair(tensor, mended),
@@ -564,6 +568,8 @@ def _build_cause_finding(
         repair=_describe_repair(model, link, judged, mended, message=message),
         condition="" if mended is None or mended.edits else f", if the numbers of {join_names(judged.twins)} are right",
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
+        beside=f"so they do with {_NO_RPY}" if is_straight else "no other single edit brings them so near",
+        straight=f", or {_NO_RPY}, whichever is meant" if is_straight else "",
         **data,
     )
 
@@ -622,6 +628,15 @@ def _describe_repair(
     if (mended.edits or is_near) and not _is_in_doubtful_file(model, diagnosis.cause):
         return f"write {mended.words}, or compute the inertial again if that is not the mistake"
     return f"compute the inertial again, or write {mended.words} if that is the mistake"
+
+
+def _fits_without_rpy(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the typed tensor is that of the drawn part in the axes of the link: then only the rpy of the inertial is wrong."""
+    drawn, declared = measure_link_geometry(model, link), judged.declared
+    if drawn is None or np.allclose(declared.rotation, np.eye(3)):
+        return False
+    straight = replace(declared, rotation=np.eye(3))
+    return measure_inertial_mismatch(straight, drawn.solid.com, drawn.solid.covariance)[0] < EXACT
 
 
 def _leaves_another_mistake(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
