@@ -522,6 +522,19 @@ def test_the_frame_of_a_camera_is_its_optical_frame(tmp_path: Path, kind: str, o
     assert finding.fix.title == f"write {meant}" + ("" if meant == "tip" else ", unless a program publishes tip_link")
 
 
+@pytest.mark.parametrize(("away", "is_proposed"), [("0.015", True), ("0.06", False)])
+def test_the_optical_frame_of_another_camera_of_a_rig_is_not_proposed(
+    tmp_path: Path, away: str, is_proposed: bool
+) -> None:
+    eye = (
+        '<link name="left_optical"/><joint name="o" type="fixed"><parent link="tip"/><child link="left_optical"/>'
+        f'<origin xyz="0 {away} 0"/></joint>'
+    )
+    body = block("tip", sensor("camera", RATE + "<gz_frame_id>right_frame</gz_frame_id>"))
+    (finding,) = find(tmp_path, robot(MERGED, eye, body), "GZB004")
+    assert ("left_optical" in (finding.fix.title if finding.fix else "")) == is_proposed
+
+
 @pytest.mark.parametrize(
     ("link_name", "more", "found"),
     [

@@ -1145,6 +1145,24 @@ def test_on_a_bolted_arm_a_footprint_is_only_a_leftover(tmp_path: Path) -> None:
     assert finding.severity is Severity.INFO
 
 
+@pytest.mark.parametrize("given", [".", "car"])
+def test_another_package_of_the_given_folder_may_use_the_footprint(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: str
+) -> None:
+    files = {
+        "car/package.xml": '<package format="2"><name>car</name></package>',
+        "car/launch/car.launch": f"<launch>{transform('0 0 0 0 0 0 base_link base_footprint 40').removeprefix(LOAD)}</launch>",
+        "navigation/package.xml": '<package format="2"><name>navigation</name></package>',
+        "navigation/config/costmap.yaml": "robot_base_frame: base_footprint\n",
+    }
+    for name, text in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path)
+    found = [f.message_id for f in check(Path(given), codes={"LCH005"}).findings]
+    assert (found == ["footprint-unused"]) == (given == "car")
+
+
 def test_without_the_model_the_footprint_may_be_its_root_already(tmp_path: Path) -> None:
     words = "0 0 0 0 0 0 base_link base_footprint 40"
     (finding,) = find_in_launch(tmp_path, transform(words).removeprefix(LOAD), "LCH005")

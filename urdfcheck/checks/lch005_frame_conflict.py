@@ -22,7 +22,6 @@ from urdfcheck.source.launch.node_graph import build_launch_scene
 from urdfcheck.source.launch.static_transforms import StaticTransform
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
-from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
 
@@ -208,9 +207,7 @@ def _lacks_frames(launch: Launch, transform: StaticTransform) -> bool:
 
 def _is_frame_used(launch: Launch, frame: str) -> bool:
     """Whether a file of the project names the frame apart from the exporter's line, as far as that is known."""
-    project = find_project_folder(launch.path)
-    if not (project / ".git").exists():  # the folder that was given may hold other packages
-        project = launch.finder.find_project_above(project) or project
+    project = launch.finder.find_searched_project(launch.path)
     # The walk itself is cut off, so the order of the folders does not decide.
     files = list(itertools.islice(_iter_naming_files(project), _MOST_FILES + 1))
     return len(files) > _MOST_FILES or any(_names_frame(launch, path, frame) for path in files)

@@ -156,9 +156,8 @@ def _iter_robot_files(source: Source, *, is_in_reach: bool = False) -> Iterator[
     ``is_in_reach``: without a repository, those of the folder that the run was given too, which may hold other packages.
     """
     used = {os.path.realpath(file.path) for file in source.files.values()}
-    top, own = find_project_folder(source.path), source.path.absolute().parent
-    if is_in_reach and not (top / ".git").exists():
-        top = source.finder.find_project_above(top) or top
+    find = source.finder.find_searched_project if is_in_reach else find_project_folder
+    top, own = find(source.path), source.path.absolute().parent
     if top.absolute() == own and own.parent.name.lower() in _ROBOT_FOLDERS:  # without a repository and a package
         top = own.parent
     for here, names, files in islice(walk(top), _MOST_FOLDERS):

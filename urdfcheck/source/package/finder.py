@@ -21,7 +21,7 @@ from urdfcheck.source.package.package_folders import (
     walk_packages,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
+from urdfcheck.source.project_folders import find_project_folder, is_shared_by_all, list_shared_folders
 from urdfcheck.source.reach import FileReach, is_below, resolve_real_path
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
@@ -287,6 +287,12 @@ class PackageFinder:
             return repository
         root = self.reach.find_root_above(folder)
         return next((outer for outer in folder.parents if root is not None and os.path.realpath(outer) == root), None)
+
+    def find_searched_project(self, path: Path) -> Path:
+        """Return the folder whose files may use a file: its repository, or else the folder that was given, which may hold other
+        packages, or else its package."""
+        project = find_project_folder(path)
+        return project if (project / ".git").exists() else self.find_project_above(project) or project
 
     def _scan_ros_paths(self) -> dict[str, Path]:
         if self._ros is None:
