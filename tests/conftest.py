@@ -335,15 +335,16 @@ def browser(launch: Callable[..., Any]) -> Iterator[Any]:
 
 @contextlib.contextmanager
 def open_watched(browser: Any, report: Path) -> Iterator[Any]:
-    """Open a report with a robot in 3D; ``page.wrong`` collects errors of its scripts and requests for anything outside of it."""
+    """Open a report with a robot in 3D; a script of it that fails, or asks for anything outside of it, fails the test."""
     page = browser.new_page(viewport={"width": 1280, "height": 800}, reduced_motion="reduce", color_scheme="light")
-    page.wrong = []
-    page.on("pageerror", lambda error: page.wrong.append(str(error)))
-    page.on("request", lambda request: None if is_inside(request.url) else page.wrong.append(request.url[:80]))
+    wrong: list[str] = []
+    page.on("pageerror", lambda error: wrong.append(str(error)))
+    page.on("request", lambda request: None if is_inside(request.url) else wrong.append(request.url[:80]))
     page.goto(report.as_uri())
     page.wait_for_selector("body[data-ready='1']")
     yield page
     page.close()
+    assert wrong == []
 
 
 def is_inside(address: str) -> bool:
