@@ -222,7 +222,12 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     options, defining = "", list[str]()
     if failure.expression.startswith("$(eval "):
         return _explain_undefined_argument(failure, name, arguments)
-    if name in arguments:
+    if _is_in_start_tag(failure):
+        why, repair = (
+            "",
+            "write a fixed text here: xacro evaluates the attributes of <robot> before it reads any definition",
+        )
+    elif name in arguments:
         why, repair = f"; an argument has this name, which is read as $(arg {name})", f"write `$(arg {name})`"
     elif name in defined:
         place = defined[name][0]
@@ -263,6 +268,12 @@ def _describe_near_name(failure: _ExpansionFailure, near: str, define: str) -> s
     if element is None or element.tag not in _CONDITIONS or near in _BUILT_IN_NAMES.values():
         return f"write `{near}`, or {define}"
     return f"write `{near}` if that is meant, delete the condition and what is in it if it is left over, or {define}"
+
+
+def _is_in_start_tag(failure: _ExpansionFailure) -> bool:
+    """Whether an attribute of <robot> failed, in the file itself: xacro evaluates none of those of an included file."""
+    root, span = failure.source.main_tree, failure.problem.location.span
+    return root is not None and span is not None and any(a.span == span for a in root.attributes.values())
 
 
 def _is_guard(failure: _ExpansionFailure, definitions: Sequence[Attribute]) -> bool:
@@ -779,7 +790,7 @@ def _may_be_meant(failure: _ExpansionFailure, path: Path, name: str) -> bool:
 def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _FailureReport | None:
     """Report the arguments that lead to a missing file: those whose value its first missing part contains, else empty ones."""
     source = failure.source
-    arguments = list_path_arguments(source, failure.problem.related)
+    arguments = list_path_arguments(source, [*failure.problem.related, *_list_read_arguments(failure)])
     missing = find_missing_part(source, path)
     guilty = select_guilty(arguments, missing)
     empty = [argument for argument in arguments if not argument.value]
@@ -811,6 +822,18 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         options=options,
         remedy=options,
     )
+
+
+def _list_read_arguments(failure: _ExpansionFailure) -> list[Location]:
+    """Return the arguments that the failing text, or a definition it was made of, reads and no file declares.
+
+    Their values were given, or passed by a launch file.
+    """
+    places = (failure.problem.location, *failure.problem.related)
+    declared, files = {place.subject for place in places}, failure.source.files
+    spans = [place.span for place in places if place.span is not None and place.span.file in files]
+    read = ((name, span) for span in spans for name in ARGUMENT.findall(files[span.file].text[span.start : span.end]))
+    return [Location(subject, span) for name, span in read if (subject := f"argument[{name}]") not in declared]
 
 
 def _describe_only_namesake(source: Source, path: Path) -> tuple[str, str]:

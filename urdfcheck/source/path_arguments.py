@@ -9,6 +9,7 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _SUBJECT = "argument["
@@ -26,10 +27,11 @@ class PathArgument:
     """default | given | launch: found in a launch file, or in another one that says what the model is started with."""
 
     def __str__(self) -> str:
-        shown = {"default": f"default {self.value!r}", "given": f"{self.value!r} is given"}
+        value = format_path(Path(self.value)) if os.path.isabs(self.value) else self.value
+        shown = {"default": f"default {value!r}", "given": f"{value!r} is given"}
         span = self.location.span
         file = "another file" if span is None else Path(span.file).name
-        return f"{self.name} ({shown.get(self.origin, f'{self.value!r} in {file}')})"
+        return f"{self.name} ({shown.get(self.origin, f'{value!r} in {file}')})"
 
 
 def list_path_arguments(source: Source, made_of: Iterable[Location]) -> list[PathArgument]:
