@@ -29,6 +29,7 @@ from urdfcheck.model.inertials.diagnosis_words import (
     describe_median_agreement,
     describe_other_shape,
     format_ruled_out,
+    leaves_tensor,
     name_faulty_numbers,
 )
 from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
@@ -641,12 +642,15 @@ def _fits_without_rpy(model: Model, link: Link, judged: DiagnosedInertial) -> bo
 
 def _leaves_another_mistake(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
     """Whether the numbers are wrong in another way, too, so that undoing one mistake gives none to write: the tensor about other
-    axes is that of another length, or the pieces whose tensors were added have other densities, as the COM shows."""
+    axes is that of another length, the pieces whose tensors were added have other densities, as the COM shows, or only the COM is
+    that of the mirror image."""
     diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, link)
     if drawn is None or diagnosis.mended is None or diagnosis.judged_by != "mesh":
         return False
     if diagnosis.cause in _OF_AXES:
         return measure_difference(diagnosis.mended, drawn) > _RIGHT
+    if diagnosis.cause == "unmirrored":
+        return leaves_tensor(judged, drawn)
     is_com_off = drawn.closed and diagnosis.mended_com_mismatch > NOTABLE
     return diagnosis.cause in {"steiner_missing", "steiner_twice"} and is_com_off
 

@@ -42,7 +42,7 @@ from urdfcheck.source.uses_elsewhere import (
     is_certainly_left_aside,
     is_unused,
 )
-from urdfcheck.system.files import FileTooLargeError, read_regular, walk
+from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
 
 # So many files are looked up in other packages to find the one that is meant.
 _MAX_FILES = 50
@@ -210,15 +210,23 @@ def _names_gazebo_model(use: ResourceUse) -> bool:
 def _find_gazebo_model(source: Source, package: str, files: Sequence[str]) -> Path | None:
     """Return the folder of a model of Gazebo in the project that has the name of a package and all files at their paths in it.
 
-    Gazebo and iDynTree look for a package there: in the folders of GAZEBO_MODEL_PATH.
+    Gazebo and iDynTree look for a package there: in the folders of GAZEBO_MODEL_PATH, which a file of the project may set.
     """
     wanted = [get_path_in_package(file, package) for file in files]
-    for here, names, found in walk(find_project_folder(source.path.absolute())):
+    project = find_project_folder(source.path.absolute())
+    for here, names, found in walk(project):
         names[:] = [name for name in names if not name.startswith(".")]
         folder = Path(here)
-        if folder.name == package and "model.config" in found and _has_all_files(folder, wanted, source):
-            return folder
+        if folder.name == package and _has_all_files(folder, wanted, source):
+            return folder if "model.config" in found or _sets_model_path(project) else None
     return None
+
+
+def _sets_model_path(project: Path) -> bool:
+    """Whether a file at the top of a project, such as its CMakeLists.txt or README, names GAZEBO_MODEL_PATH."""
+    kinds = {".md", ".rst", ".sh", ".txt"}
+    tops = (path for path in sorted(project.iterdir()) if path.suffix.lower() in kinds and path.is_file())
+    return any("GAZEBO_MODEL_PATH" in read_text_or_nothing(path) for path in tops)
 
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:

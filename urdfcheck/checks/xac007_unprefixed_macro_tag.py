@@ -93,7 +93,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     by_file: dict[str, list[Element]] = {}
     for element in find_unprefixed_tags(source.trees):
         span = element.span
-        if span is not None and (span.file in own_trees or (span.file, span.start) in left_over):
+        if span is None:
+            continue
+        if span.file in own_trees or (span.file, span.start) in left_over or _stops_expansion(source, element):
             by_file.setdefault(span.file, []).append(element)
     explained = _list_explained(source) if by_file and source.is_xacro else []
     for name, all_found in by_file.items():
@@ -308,6 +310,13 @@ def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:
     if source.root is None or not source.is_xacro:
         return set()
     return _collect_places(find_unprefixed_tags(source.trees, source.root))
+
+
+def _stops_expansion(source: Source, element: Element) -> bool:
+    """Whether an element would define what the expansion did not find, in whichever package it is typed."""
+    name = element.get("name")
+    pattern = re.compile(rf"(?<![\w.]){re.escape(name)}(?![\w.])")
+    return name != "" and any(pattern.search(p.message) for p in source.find_problems("expansion-failed"))
 
 
 def _collect_places(elements: Iterable[Element]) -> set[tuple[str, int]]:

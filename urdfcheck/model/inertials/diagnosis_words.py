@@ -179,6 +179,15 @@ def shows_com(mismatch: float, drawn: VisualGeometry) -> bool:
     return drawn.closed or mismatch > FAR
 
 
+def leaves_tensor(judged: DiagnosedInertial, drawn: VisualGeometry | None) -> bool:
+    """Whether the tensor is hardly nearer to the drawn part's when the mistake is undone, and does not fit it then."""
+    diagnosis = judged.diagnosis
+    if diagnosis.mended is None or drawn is None or diagnosis.mended_tensor_mismatch < NOTABLE:
+        return False
+    before, after = (measure_difference(numbers, drawn) for numbers in (judged.declared, diagnosis.mended))
+    return after > _BETTER * before
+
+
 def collect_cause_data(cause: str, detail: str) -> dict[str, str]:
     """Return what the sentences about a cause need, whether one link has it or most of a file."""
     return {
@@ -208,10 +217,13 @@ def collect_message_data(
     cause = diagnosis.cause or ""
     if cause == "com_missing" and apart and source != "the drawn part":
         measured = f"the COM is {apart} off"  # a shape that stands for the part is no measure of its tensor
-    doubted = f"{'wrong' if is_certain else 'suspect'} {name_faulty_numbers(cause, diagnosis.detail)}"
+    is_com_alone = cause == "unmirrored" and leaves_tensor(judged, drawn)
+    faulty = "COM" if is_com_alone else name_faulty_numbers(cause, diagnosis.detail)
+    doubted = f"{'wrong' if is_certain else 'suspect'} {faulty}"
     return {
         "link": link.name,
         **collect_cause_data(cause, diagnosis.detail),
+        **({"mirrored": _describe_mirrored_com(diagnosis.detail)} if is_com_alone else {}),
         "why": SHORT_CAUSES.get(cause, "").format(detail=diagnosis.detail),
         "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
         "fault_short": doubted,  # the cause says more than how far off the numbers are
@@ -249,6 +261,12 @@ def _describe_mirrored(detail: str) -> str:
     if detail.endswith(TENSOR_ALONE):
         return f"The tensor fits {image}, or the part rotated by 180° about it"
     return f"COM and tensor fit {image}, as if copied from the other side"
+
+
+def _describe_mirrored_com(detail: str) -> str:
+    """Say that the COM alone is that of the mirror image: the tensor is wrong in another way."""
+    axis = detail.partition(",")[0]
+    return f"The COM fits the mirror image of the part, across the link's {axis} axis: a sign is wrong. The tensor fits neither"
 
 
 def name_faulty_numbers(cause: str, detail: str) -> str:

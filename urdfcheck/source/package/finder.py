@@ -306,14 +306,31 @@ class PackageFinder:
         return self._ros
 
     def _find_by_folder_name(self, name: str) -> Path | None:
-        """Return a folder without a manifest; it must be in reach, because nothing else shows that it belongs to the model."""
+        """Return the nearest folder without a manifest."""
+        return next(self._iter_folders_by_name(name), None)
+
+    def _iter_folders_by_name(self, name: str) -> Iterator[Path]:
+        """Yield folders that need no manifest, the nearest first.
+
+        They must be in reach, because nothing else shows that they belong to the model.
+        """
         for level in self.list_parent_folders():
             for folder in (level,) if level.name == name else (level / name,):
                 # os.path, because pathlib raises if the name is too long or contains a NUL.
                 if (self.reach is None or self.reach.can_open(folder)) and os.path.isdir(folder):
-                    return folder
+                    yield folder
                 note_lookup(folder)
-        return None
+
+    def _find_in_package(self, name: str, inside: str) -> Path | None:
+        """Return where a file of a package is, or would be; of folders without a manifest, in the nearest that has the file."""
+        folder = self.find(name)
+        if folder is None:
+            return None
+        path = folder / inside
+        if os.path.exists(folder / "package.xml") or os.path.exists(path):
+            return path
+        others = (other / inside for other in self._iter_folders_by_name(name))
+        return next((other for other in others if self.can_open(other) and os.path.exists(other)), path)
 
     def describe_search_places(self) -> list[str]:
         """Describe where packages were searched, for the finding that one is missing."""
@@ -455,10 +472,8 @@ class PackageFinder:
         scheme = _SCHEME.match(text)
         if scheme and scheme.group(1) in {"package", "model"}:
             package, _, rest = scheme.group(2).partition("/")
-            folder = self.find(package)
-            return self._look_up_file(
-                text, "package", None if folder is None else folder / unquote(rest).lstrip("/"), package=package
-            )
+            path = self._find_in_package(package, unquote(rest).lstrip("/"))
+            return self._look_up_file(text, "package", path, package=package)
         if scheme and scheme.group(1) == "file":
             return self._look_up_file(text, "file", Path(unquote(scheme.group(2))))
         if scheme:
