@@ -230,6 +230,19 @@ def test_a_com_and_tensor_that_were_not_mirrored_are_both_written(tmp_path: Path
     assert finding.headline == "arm: wrong COM and inertia (not mirrored)"
 
 
+def test_a_tensor_that_is_wrong_in_another_way_is_not_said_to_fit_the_mirror_image(tmp_path: Path) -> None:
+    tall = np.diag((0.3, 1.6, 0.4)) @ TRUE.tensor.diagonal()
+    numbers = replace(TRUE, com=MIRROR @ TRUE.com, tensor=np.diag(tall))
+    findings = find_disagreeing(tmp_path, numbers)
+    assert [finding.headline for finding in findings] == ["arm: suspect COM (not mirrored?)"]
+    (finding,) = findings
+    assert finding.cause is not None
+    assert finding.cause.text.endswith("The tensor fits neither.")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title.startswith("compute the inertial again")
+
+
 def test_products_of_one_digit_that_are_next_to_nothing_have_no_sign() -> None:
     """The thinnest direction of a plate shows products of 0.7 % of the largest moment."""
     plate = geometry((((0.3, 0.3, 0.02), (0.0, 0.0, 0.0)), ((0.02, 0.02, 0.1), (0.1, 0.1, 0.04))))

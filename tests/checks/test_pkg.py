@@ -223,6 +223,20 @@ def test_a_model_of_gazebo_is_no_package(tmp_path: Path, path: str, message: str
     assert own.fix.title.startswith("write `package://p/parts/a.stl`, if these files are meant")
 
 
+@pytest.mark.parametrize(
+    ("readme", "message"), [("export GAZEBO_MODEL_PATH=$PWD/models", "files-gazebo"), ("a robot", "files")]
+)
+def test_a_folder_on_the_path_of_gazebo_needs_no_package(tmp_path: Path, readme: str, message: str) -> None:
+    write(tmp_path, {"README.md": readme, ".git/HEAD": "", "models/wing/a/a.stl": "", "matlab/m/r.urdf": ""})
+    finding = only(audit(tmp_path / "matlab/m/r.urdf", make_mesh_link("a", "package://wing/a/a.stl")))
+    assert finding.message_id == message
+
+
+def test_a_folder_of_the_name_that_lacks_the_file_is_not_the_one_that_is_meant(tmp_path: Path) -> None:
+    write(tmp_path, {".git/HEAD": "", "arm/meshes/a.stl": "", "arm/robots/arm/r.urdf": ""})
+    assert not audit(tmp_path / "arm/robots/arm/r.urdf", make_mesh_link("a", "package://arm/meshes/a.stl")).findings
+
+
 def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path) -> None:
     write(tmp_path, {"q/package.xml": "<package><name>ur_description</name></package>", "q/meshes/b.stl": ""})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/meshes/a.stl")))

@@ -550,6 +550,11 @@ def test_a_cart_with_its_mass_behind_the_wheels_tips_over(tmp_path: Path) -> Non
     assert finding.data["margin"] == pytest.approx(0.05 * 5 / 5.8 * 1e3)
 
 
+def test_a_boat_does_not_stand_on_its_propellers(tmp_path: Path) -> None:
+    boat = replace(DEFECTS["DYN004"], wheels=tuple(replace(w, name=w.name.replace("wheel", "propeller")) for w in PAIR))
+    assert not find_in_car(tmp_path, "DYN004", boat)
+
+
 def test_a_cart_whose_chassis_has_no_mass_has_no_known_com(tmp_path: Path) -> None:
     camera = (
         '<link name="camera"><inertial><mass value="0.1"/>'

@@ -222,6 +222,21 @@ def test_missing_file_is_told_at_the_arguments_that_lead_there(
     assert not complete.findings
 
 
+def test_an_argument_that_no_file_declares_leads_to_a_missing_file_too(tmp_path: Path) -> None:
+    text = """<xacro:property name="all" value="${xacro.load_yaml('$(arg config)')}"/><link name="${all['name']}"/>"""
+    given = {"config": str(tmp_path / "gen9/a.yaml")}
+    finding = only(xacro(tmp_path, text, {"XAC001"}, arguments=given))
+    assert (finding.message_id, finding.data["argument"]) == ("argument-leads-nowhere", "config")
+
+
+@pytest.mark.parametrize("defined", ["", '<xacro:property name="camera" value="eye"/>'])
+def test_nothing_can_be_defined_before_the_attributes_of_the_robot(tmp_path: Path, defined: str) -> None:
+    text = HEAD.replace('"r"', '"${camera}"') + defined + BASE + "</robot>"
+    finding = only(check_text(tmp_path, text, "robot.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write a fixed text here: xacro evaluates the attributes of <robot> before")
+
+
 @pytest.mark.parametrize("suffix", [".urdf.xacro", "_macro.xacro"])
 def test_a_name_without_its_beginning_is_an_empty_argument(tmp_path: Path, suffix: str) -> None:
     part = HEAD + '<xacro:include filename="$(dirname)/$(arg arm)' + suffix + '"/></robot>'
@@ -1070,6 +1085,16 @@ def test_missing_prefix_is_one_finding_that_mends_the_file(tmp_path: Path, wrong
 )
 def test_tags_of_others_are_left_alone(tmp_path: Path, text: str) -> None:
     assert not xacro(tmp_path, text, {"XAC007"}).findings
+
+
+def test_a_value_without_the_prefix_stops_a_robot_of_another_package(tmp_path: Path) -> None:
+    part = HEAD + '<property name="bore" value="1"/><property name="other" value="2"/></robot>'
+    manifests = {f"{name}/package.xml": f"<package><name>{name}</name></package>" for name in ("robot", "parts")}
+    write(tmp_path, {"parts/urdf/part.xacro": part, **manifests})
+    text = '<xacro:include filename="$(find parts)/urdf/part.xacro"/><link name="l${bore}"/>'
+    run = xacro(tmp_path / "robot", text, {"XAC001", "XAC007"}, package_paths=(tmp_path,))
+    finding = only(run)
+    assert (finding.code, finding.data["listed"]) == ("XAC007", "<property>")
 
 
 def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path) -> None:
