@@ -24,7 +24,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
         # Both are loaded only if an argument is missing.
-        from urdfcheck.source.launch.loaded_files import find_passing_launch
+        from urdfcheck.source.launch.loaded_files import find_passing_launch, is_named_by_launch
         from urdfcheck.source.xacro.argument_values import find_argument_choices
 
         known = {choice.name: choice.existing_values for choice in find_argument_choices(source.path, source.finder)}
@@ -32,6 +32,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
         is_aside = passing is None and is_named_nowhere(source) and is_certainly_left_aside(source)
+        # A template: its own package shows no start of it without the values, and so no start that fails.
+        is_aside |= source.package is not None and not is_named_by_launch(source.path, source.finder)
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
         finding = rule.finding(

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 LEVEL = 0.1
 # What is named a wheel is one with its axis up to 15° off level. Of 735 published models, the wheels of one are between both.
 _TILTED = 0.26
-_NOT_WHEEL_NAME = re.compile(
-    r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare|propell|impeller|thruster|rotor", re.IGNORECASE
-)
+_NOT_WHEEL_NAME = re.compile(r"roller|steering_?wheel|fly_?wheel|reaction|momentum|spare", re.IGNORECASE)
+# Round parts that turn in air or water: no robot stands on them, however low they reach.
+_PROPELLER_NAME = re.compile(r"propell|impeller|thruster|rotor", re.IGNORECASE)
 # Wheels of radii that differ by more are not one pair; nor are wheels less than this share of whose distance is along the axle.
 _ONE_SIZE, _BESIDE = 1.5, 0.7
 # Copies of one wheel have its radius and width within this share, and its height within this share of the radius (chosen).
@@ -97,7 +97,7 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    wheels = list_round_parts(model)
+    wheels = [part for part in list_round_parts(model) if not _PROPELLER_NAME.search(_join_joint_names(part.joint))]
     named = [
         wheel
         for wheel in wheels

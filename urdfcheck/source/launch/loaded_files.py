@@ -32,6 +32,11 @@ def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> b
     return is_loaded
 
 
+def is_named_by_launch(path: Path, finder: PackageFinder) -> bool:
+    """Whether a launch file of the package of a model's file names it, or computes a name that may be its own."""
+    return any(True for _ in itertools.chain(_iter_launch_texts(path, finder), _iter_computing_texts(path, finder)))
+
+
 def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
     """Return a launch file of the package of a model's file that names it and passes an argument of this name.
 
