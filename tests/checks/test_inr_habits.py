@@ -231,9 +231,12 @@ def test_a_com_and_tensor_that_were_not_mirrored_are_both_written(tmp_path: Path
 
 
 def test_a_tensor_that_is_wrong_in_another_way_is_not_said_to_fit_the_mirror_image(tmp_path: Path) -> None:
-    tall = np.diag((0.3, 1.6, 0.4)) @ TRUE.tensor.diagonal()
-    numbers = replace(TRUE, com=MIRROR @ TRUE.com, tensor=np.diag(tall))
-    findings = find_disagreeing(tmp_path, numbers)
+    bar = (((0.02, 0.06, 0.025), (0.0, -0.01, -0.03)), ((0.02, 0.02, 0.02), (0.0, -0.035, -0.045)))
+    part, upright = uniform(geometry(bar).solid), np.diag((1.0, 1.0, -1.0))
+    smaller = np.diag(np.sqrt((0.5, 1.0, 0.41)))
+    tensor = smaller @ upright @ part.tensor @ upright @ smaller
+    numbers = replace(part, com=upright @ part.com, tensor=tensor)
+    findings = find(tmp_path, arm_on_base(format_inertial(numbers, 10), drawn_boxes(bar)), "INR009")
     assert [finding.headline for finding in findings] == ["arm: suspect COM (not mirrored?)"]
     (finding,) = findings
     assert finding.cause is not None
