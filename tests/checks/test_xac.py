@@ -1988,3 +1988,47 @@ def test_a_call_that_hands_a_block_on_is_where_its_parameter_is_missing(tmp_path
     assert finding.location.span is not None
     line, call = finding.location.span.line, (HEAD + BASE + text).splitlines()
     assert call[line - 1].startswith("<xacro:lens>")
+
+
+@pytest.mark.parametrize(
+    "definition",
+    [
+        '<property name="lb-in" value="1"/>',
+        '<property name="in" value="1"/>',
+        '<property name="__a" value="1"/>',
+        '<property name="${1}-a" value="1"/>',
+        '<property name="a" value="1" default="2"/>',
+        '<macro name="a.b" params=""/>',
+        '<macro name="call" params=""/>',
+    ],
+)
+def test_a_definition_that_xacro_refuses_gets_no_prefix(tmp_path: Path, definition: str) -> None:
+    """The others of the file get it, and xacro then expands the robot; with all of them it would stop."""
+    radius = '<property name="radius" value="1"/>'
+    use = '<link name="a"><visual><geometry><sphere radius="${radius}"/></geometry></visual></link>'
+    found = xacro(tmp_path / "now", definition + radius + use, {"XAC001", "XAC007"}, unrequested=frozenset()).findings
+    refused = next(f for f in found if f.message_id == "refused")
+    assert (refused.severity, refused.fix is not None and refused.fix.edits) == (Severity.INFO, ())
+    assert len([edit for f in found if f.fix is not None for edit in f.fix.edits]) == 1
+    prefixed = radius.replace("<", "<xacro:") + use
+    assert not xacro(tmp_path / "mended", definition + prefixed, {"XAC001"}).findings
+    stopped = xacro(tmp_path / "stopped", definition.replace("<", "<xacro:") + prefixed, {"XAC001"})
+    assert only(stopped).code == "XAC001"
+
+
+@pytest.mark.parametrize("name", ["é", "match", "a_1", "${'lb'}_in"])
+def test_a_name_that_xacro_takes_gets_the_prefix(tmp_path: Path, name: str) -> None:
+    text = f'<property name="{name}" value="1"/>'
+    finding = only(xacro(tmp_path / "now", text, {"XAC007"}, unrequested=frozenset()))
+    assert finding.message_id == "dead"
+    assert not xacro(tmp_path / "prefixed", text.replace("<", "<xacro:"), {"XAC001"}).findings
+
+
+def test_a_refused_name_that_an_expression_uses_is_an_error(tmp_path: Path) -> None:
+    """The expression means another thing than the author: `lb` minus `in`."""
+    text = '<property name="lb-in" value="1"/><link name="a"><inertial><mass value="${2 * lb-in}"/></inertial></link>'
+    found = xacro(tmp_path, text, {"XAC007"}).findings
+    finding = next(f for f in found if f.code == "XAC007")
+    assert finding.severity is Severity.ERROR
+    assert finding.fix is not None
+    assert finding.fix.title == "write another name, also where it is used, then `<xacro:property …>`"

@@ -14,6 +14,7 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
+from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
@@ -24,6 +25,7 @@ from urdfcheck.source.xacro.usage import (
     collect_read_arguments,
     collect_uncalled_links,
     defines_itself,
+    explain_refusal,
     find_unprefixed_tags,
     iter_elements_by_tag,
     list_strange_tags,
@@ -103,6 +105,11 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if circular:
             yield _build_circular_finding(source, rule, circular)
         found = [element for element in all_found if element not in circular]
+        refused = {id(e): refusal for e in found if source.is_xacro and (refusal := explain_refusal(e)) is not None}
+        for reason, remedy in dict.fromkeys(refused.values()):
+            group = [element for element in found if refused.get(id(element)) == (reason, remedy)]
+            yield _build_refused_finding(source, rule, group, reason, remedy)
+        found = [element for element in found if id(element) not in refused]
         if not found:
             continue
         message, severity = _find_message(source, found)
@@ -147,6 +154,44 @@ def _build_circular_finding(source: Source, rule: Rule, elements: Sequence[Eleme
         them="it" if len(elements) == 1 else "them",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
+
+
+def _build_refused_finding(
+    source: Source, rule: Rule, elements: Sequence[Element], reason: str, remedy: str
+) -> Finding:
+    """Report together the definitions of a file at which xacro stops once they have the prefix, so that no edit adds it."""
+    used = [element for element in elements if _is_used(source, element)]
+    elements = used + [element for element in elements if element not in used]
+    tag = elements[0].tag
+    severity = Severity.WARNING if source.root is not None and tag != "macro" else None
+    finding = rule.finding(
+        "refused",
+        at=elements[0],
+        related=elements[1:_MAX_EDITED],
+        severity=severity if used else Severity.INFO,
+        tag=tag,
+        times=format_repetition(len(elements)),
+        names=join_names((element.get("name") for element in elements), 3),
+        lack="lacks" if len(elements) == 1 else "lack",
+        reason=reason,
+        remedy=remedy,
+        deletion="" if used else ", or delete what nothing uses",
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
+
+
+def _is_used(source: Source, element: Element) -> bool:
+    """Whether an expression of the files holds the name of a property, a mere text there, or a tag calls a macro."""
+    if element.tag == "macro":
+        return not _is_uncalled(source, element)
+    name = re.compile(rf"(?<![\w.]){re.escape(element.get('name'))}(?![\w.])")
+    return any(
+        name.search(expression[0])
+        for tree in source.trees.values()
+        for inner in tree.walk()
+        for text in (*(a.value for a in inner.attributes.values()), inner.text)
+        for expression in EXPRESSION.finditer(text)
+    )
 
 
 def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Severity | None]:

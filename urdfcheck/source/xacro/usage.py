@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import keyword
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
@@ -41,6 +42,9 @@ _COMPUTED_ARGUMENT = re.compile(
 )
 _COMPUTED_PART = re.compile(r"\$\{[^{}]*\}")
 _PARAMETER = re.compile(r"\$\{\s*(\w+)\s*\}")
+# What is computed in a name, in whichever notation.
+_COMPUTED = re.compile(r"\$\{[^{}]*\}|\$\([^()]*\)")
+_RENAMING = "write another name, also where it is used"
 # A macro may call another one many times, and that yet another: so many different calls are followed.
 _MOST_CALLS = 1_000
 _CONDITIONS = {"xacro:if": "if", "xacro:unless": "unless"}
@@ -252,6 +256,26 @@ def _find_block_tags(trees: Mapping[str, Element], block: Element) -> set[str]:
 def defines_itself(element: Element) -> bool:
     """Whether the value of a property reads the name that it defines: with the prefix of xacro it is a circle."""
     return element.tag.endswith("property") and element.get("name") in find_expression_names(element.get("value"))
+
+
+def explain_refusal(element: Element) -> tuple[str, str] | None:
+    """Return why xacro stops at a definition with its prefix, whatever the files hold, and what must be done; None where it does
+    not.
+
+    Arguments may have any name.
+    """
+    kind, name = element.tag.removeprefix("xacro:"), element.get("name")
+    if kind == "macro" and name == "call":
+        return "no macro may have the name `call`", _RENAMING
+    if kind == "macro" and "." in name:
+        return "the name of a macro must not contain a dot", _RENAMING
+    if kind != "property":
+        return None
+    known = _COMPUTED.sub("x", name)
+    if not known.isidentifier() or keyword.iskeyword(known) or known.startswith("__"):
+        return "the name of a property must be a Python identifier, without `__` before it", _RENAMING
+    given = [key for key in ("value", "default", "remove") if key in element.attributes]
+    return (f"a property has either {given[0]} or {given[1]}", "keep one of the two") if len(given) > 1 else None
 
 
 def list_strange_tags(tree: Element) -> list[str]:
