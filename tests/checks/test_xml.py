@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
+from builders import box, link, robot, visual
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Severity
@@ -171,6 +172,24 @@ class TestXML009:
         (found,) = check_text(tmp_path, text, codes={"XML009"}).findings
         assert found.fix is not None
         assert found.fix.title.startswith(repair)
+
+    @pytest.mark.parametrize("given", ["robot", "link", "nothing", "more"])
+    @pytest.mark.parametrize("xacro", [False, True])
+    def test_a_name_of_a_material_may_be_any_text(self, tmp_path: Path, given: str, xacro: bool) -> None:
+        """Without a definition of this name parsers refuse the file, and any other text that is left is as wrong as ever."""
+        name = '"$${n}_black"' if xacro else '"${n}_black"'
+        black = f'<material name={name}><color rgba="0 0 0 1"/></material>'
+        shape = visual(box("1 1 1")).replace("</visual>", f"<material name={name}/></visual>")
+        drawn = visual(box("1 1 1")).replace("</visual>", f"{black}</visual>")
+        more = link(name.strip('"')) if given == "more" else ""
+        parts = [black] if given in {"robot", "more"} else []
+        text = robot(*parts, link("a", drawn if given == "link" else shape), more, xacro=xacro)
+        found = check_text(
+            tmp_path, text, "r.urdf.xacro" if xacro else "r.urdf", codes={"XML009"}, unrequested=frozenset()
+        ).findings
+        is_harmless = given in {"robot", "link"}
+        assert all(f.severity is Severity.INFO for f in found) == is_harmless
+        assert all((f.message_id == "material") == (f.severity is Severity.INFO) for f in found)
 
     @pytest.mark.parametrize("text", ["<launch/>", '<param name="robot_description" textfile="$(find p)/arm.urdf"/>'])
     def test_a_urdf_that_a_xacro_includes_is_expanded_there(self, tmp_path: Path, text: str) -> None:

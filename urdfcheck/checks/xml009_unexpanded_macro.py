@@ -52,8 +52,12 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     if root is None or root.tag != "robot":
         return
     if source.is_xacro:
+        names = _find_harmless_names(root)
         for element in iter_urdf_elements(root):
             for where, text, number in _find_unexpanded_xacro(element):
+                if where in names:
+                    yield _build_names_finding(rule, where, text, "1 substitution of xacro")
+                    continue
                 consequences = _predict_consequences([element], is_number_missing=number)
                 yield rule.finding("left", at=where, consequences=consequences, text=_shorten_expression(text))
         return
@@ -94,6 +98,8 @@ def _build_plain_finding(
     texts = [text for _, text, _ in remaining]
     if remaining and _is_left_over(source, texts):
         return rule.finding("leftover", at=where, severity=Severity.INFO, text=text, held=held)
+    if remaining and _find_harmless_names(root).issuperset(place for place, *_ in remaining):
+        return _build_names_finding(rule, where, text, contents)
     report = partial(rule.finding, at=where, text=_shorten_expression(text), held=held, contents=contents)
     is_handed = bool(remaining) and is_handed_as_it_is(source.path, source.finder)
     if remaining and has_read and source.is_part and not is_handed:
@@ -152,6 +158,29 @@ def _build_plain_finding(
         contents=contents,
         launch=launch,
     )
+
+
+def _build_names_finding(rule: Rule, where: Location, text: str, contents: str) -> Finding:
+    return rule.finding(
+        "material",
+        at=where,
+        severity=Severity.INFO,
+        text=_shorten_expression(text),
+        contents=contents,
+        remain="remains" if contents.startswith("1 ") else "remain",
+    )
+
+
+def _find_harmless_names(root: Element) -> set[Location]:
+    """Return the places of the names of materials that have a colour or a texture under this name as it is typed: to a parser any
+    text is a name."""
+    materials = [element for element in iter_urdf_elements(root) if element.tag == "material"]
+    defined = {material.get("name") for material in materials if material.children and material.parent is root}
+    return {
+        material.attributes["name"].location
+        for material in materials
+        if "name" in material.attributes and (material.children or material.get("name") in defined)
+    }
 
 
 def _count_substitutions(text: str) -> int:
