@@ -29,6 +29,8 @@ _SEMANTIC = frozenset({"group", "group_state", "virtual_joint", "passive_joint",
 _LONGEST_NAME = 60
 # What completes a robot and names its links or joints.
 _COMPLETING = frozenset({"ros2_control", "gazebo", "transmission"})
+# What makes nothing of a robot: the definitions of xacro, which some files have without their prefix, and those of colours.
+_DEFINITIONS = frozenset({"macro", "property", "arg", "material"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,15 +181,21 @@ def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) 
     """Return what a file is whose root is not ``<robot>``: xacro ignores the root of what it includes."""
     if not source.is_xacro or root.tag in FORMATS_BY_ROOT:
         return MODEL
-    if not root.children and source.main_tree is not None and _only_defines(source.main_tree):
+    if only_defines(source.main_tree) and all(map(_is_definition, root.children)):
         return LIBRARY
     tag = truncate_text(root.tag, _LONGEST_NAME)
     return ModelRole("part", f"its root is <{tag}>, not <robot>") if is_part else MODEL
 
 
-def _only_defines(tree: Element) -> bool:
-    """Whether all that a file holds is of xacro: a file that makes nothing gives others its macros, properties or arguments."""
-    return bool(tree.children) and all(child.tag.startswith("xacro:") for child in tree.children)
+def only_defines(tree: Element | None) -> bool:
+    """Whether a file only gives others its macros, properties, arguments and materials, of which no robot can be made: its
+    root may have any name."""
+    return tree is not None and bool(tree.children) and all(map(_is_definition, tree.children))
+
+
+def _is_definition(element: Element) -> bool:
+    """Whether an element at the root is of xacro, a definition that lacks its prefix (XAC007), or a material."""
+    return element.tag.startswith("xacro:") or element.tag in _DEFINITIONS
 
 
 def _explain_incompleteness(root: Element, elsewhere: str) -> str:
