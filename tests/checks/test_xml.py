@@ -1018,6 +1018,61 @@ class TestXML004:
 
 
 class TestXML006:
+    @pytest.mark.parametrize(
+        ("first", "second", "line"),
+        [
+            ("block", "own", 4),
+            ("own", "block", 4),
+            ("block", "call", 1),
+            ("call", "block", 4),
+            ("own", "call", 1),
+            ("call", "own", 4),
+            ("own", "if", 4),
+            ("block", "if", 4),
+        ],
+    )
+    def test_what_is_ignored_is_reported_where_it_comes_from(
+        self, tmp_path: Path, first: str, second: str, line: int
+    ) -> None:
+        """Lines: 1 the origin of a macro, 3 and 4 what the joint has, 6 the block of the call."""
+        kinds = {
+            "block": '<xacro:insert_block name="block"/>',
+            "own": '<origin xyz="0 0 1"/>',
+            "call": "<xacro:place/>",
+            "if": '<xacro:if value="1"><origin xyz="0 0 4"/></xacro:if>',
+        }
+        heights = {"block": 3, "own": 1, "call": 2, "if": 4}
+        text = (
+            '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/><link name="b"/>'
+            '<xacro:macro name="place"><origin xyz="0 0 2"/></xacro:macro>'
+            '\n<xacro:macro name="m" params="*block"><joint name="j" type="fixed"><parent link="a"/><child link="b"/>'
+            f"\n{kinds[first]}\n{kinds[second]}\n</joint></xacro:macro>"
+            '<xacro:m>\n<origin xyz="0 0 3"/></xacro:m></robot>'
+        )
+        (finding,) = findings(tmp_path, text, "XML006", name="r.urdf.xacro")
+        assert finding.location.span is not None
+        assert finding.location.span.line == line
+        assert f'reads the first (xyz="0 0 {heights[first]}"' in finding.message
+        assert ("a block that a call hands over" in finding.message) == (first == "block")
+        where = {"block": 3, "own": 3, "call": 1, "if": 3}[first]
+        assert finding.related[0].span.line == where
+
+    @pytest.mark.parametrize("inside", ["{own}{block}", "{block}{own}", "{block}{block}", "{call}{call}"])
+    def test_the_block_of_a_call_and_what_is_typed_once_are_not_deleted(self, tmp_path: Path, inside: str) -> None:
+        mass = '<mass value="1"/>'
+        block, call = '<xacro:insert_block name="block"/>', "<xacro:mass/>"
+        inertia = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+        text = (
+            f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="mass">{mass}</xacro:macro>'
+            f'<xacro:macro name="m" params="*block"><link name="a"><inertial>'
+            f"{inside.format(own=mass, block=block, call=call)}{inertia}</inertial></link></xacro:macro>"
+            f"<xacro:m>{mass}</xacro:m></robot>"
+        )
+        (finding,) = findings(tmp_path, text, "XML006", name="r.urdf.xacro")
+        assert finding.message_id == "identical"
+        assert finding.fix is not None
+        assert finding.fix.edits == ()
+
     def test_of_two_equal_elements_the_macro_s_is_kept(self, tmp_path: Path) -> None:
         macro = '<xacro:macro name="i" params="m">\n<mass value="${m}"/></xacro:macro>'
         inside = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import join_names, truncate_text
 from urdfcheck.model import Model
 from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements, list_repeated_children
 from urdfcheck.source.text.tokens import build_removal_edits
@@ -18,6 +18,8 @@ _OF_PARTS = (
     "delete what is left over; if each is the mass of another part of the link, write one <inertial> for all of them, "
     "or give each part its own link at a fixed joint"
 )
+# Longer values are not shown whole.
+_LONGEST = 60
 # What every program takes for an attribute that is left out.
 _DEFAULTS: Mapping[str, Mapping[str, object]] = {"origin": {"xyz": (0.0, 0.0, 0.0), "rpy": (0.0, 0.0, 0.0)}}
 
@@ -39,16 +41,24 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
     removed = [one for one in same if one is not kept] if message == "empty" or identical else []
+    inserted = [_is_inserted(model, element, one) for one in same]
     edits = [edit for other in removed for edit in build_removal_edits(other, model.source.files)]
+    # A call must have its block, and what is typed once cannot lose one of two.
+    is_certain = len(edits) == len(same) - 1 and not any(inserted) and len({one.span for one in same}) == len(same)
+    places = [
+        (_locate_insertion(model, element, one) if is_block else None) or one.location
+        for one, is_block in zip(same, inserted, strict=True)
+    ]
     return rule.finding(
         message,
-        at=_locate_insertion(model, element, second) or second,
-        related=[first, *same[2:10]],
-        edits=edits if len(edits) == len(same) - 1 else (),
+        at=places[1],
+        related=[*dict.fromkeys((places[0], first.location)), *places[2:10]],
+        edits=edits if is_certain else (),
         severity=Severity.WARNING if removed else None,
         consequences=None if message == "shapes" else {"mujoco": _describe_mujoco_behaviour(element, second)},
         parent=_describe_owner(element),
         tag=second.tag,
+        first=_describe_first(first, is_inserted=inserted[0]),
         count="two" if len(same) == 2 else str(len(same)),
         listed=join_names(f"<{shape.tag}>" for shape in same),
         repair="delete what is left over; if both are meant, give each its own " + element.tag
@@ -68,15 +78,37 @@ def _can_merge(same: list[Element]) -> bool:
     return len(names) == len(set(names))
 
 
+def _describe_first(first: Element, *, is_inserted: bool) -> str:
+    """Return what tells the first of several elements from the others: its values, and whether a call hands it over."""
+    values = "" if first.children else " ".join(f'{a.name}="{a.value}"' for a in first.attributes.values())
+    told = [truncate_text(values, _LONGEST)] if values else []
+    told += ["a block that a call hands over"] if is_inserted else []
+    return f" ({', '.join(told)})" if told else ""
+
+
+def _is_inserted(model: Model, parent: Element, child: Element) -> bool:
+    """Whether ``<xacro:insert_block>`` brings an element into its parent: it is typed neither there nor in a macro that is called
+    there."""
+    span = child.span
+    if span is None or any(span == each.span for typed in _list_typed(model, parent) for each in typed.walk()):
+        return False
+    return child.via[: len(parent.via)] != parent.via or len(child.via) == len(parent.via)
+
+
 def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Location | None:
-    """Return the place of the one ``<xacro:insert_block>`` that brings an element into its parent: the block that a call hands
-    over may be needed elsewhere. None where the element is typed in its parent."""
-    span, own = inserted.span, parent.span
-    if span is None or own is None or (span.file == own.file and own.start <= span.start and span.end <= own.end):
-        return None
-    typed = (each for each in model.source.trees[own.file].walk() if each.span == own)
-    insertions = [child for each in typed for child in each.find_children("xacro:insert_block")]
+    """Return the place of the one ``<xacro:insert_block>`` in the parent of an inserted element: the block that a call hands
+    over may be needed elsewhere."""
+    insertions = [
+        each for typed in _list_typed(model, parent) for each in typed.walk() if each.tag == "xacro:insert_block"
+    ]
     return Location(inserted.subject, insertions[0].span, parent.via) if len(insertions) == 1 else None
+
+
+def _list_typed(model: Model, element: Element) -> list[Element]:
+    """Return an element as its file has it."""
+    span = element.span
+    tree = None if span is None else model.source.trees.get(span.file)
+    return [] if tree is None else [each for each in tree.walk() if each.span == span]
 
 
 def _is_empty(element: Element) -> bool:
