@@ -50,7 +50,7 @@ def test_a_call_without_its_prefix_is_no_misspelt_element(tmp_path: Path) -> Non
 
 def test_numbers_in_elements_of_their_own_are_not_moved(tmp_path: Path) -> None:
     axis = "<axis><xyz>1 0 0</xyz><dynamics><friction>10</friction></dynamics></axis>"
-    text = robot(link("base"), link("arm"), joint("j", "base", "arm", axis, kind="fixed"))
+    text = robot(link("base"), link("arm"), joint("j", "base", "arm", axis, kind="continuous"))
     (finding,) = [f for f in find(tmp_path, text, "XML003") if f.data["tag"] == "dynamics"]
     assert title(finding).startswith("delete it, or write its numbers as attributes")
 
@@ -325,3 +325,75 @@ def test_a_wheel_that_an_sdf_steers_and_rolls_has_two_axes(tmp_path: Path, kind:
         "model.sdf": f"<sdf><model><joint name='front_joint' type='{kind}'/></model></sdf>",
     }
     assert bool(find(tmp_path, files, "JNT015", name="car.urdf")) == found
+
+
+@pytest.mark.parametrize(
+    ("kind", "part", "severity", "repair"),
+    [
+        (
+            "continuous",
+            "<limit><lower>-1e308</lower><upper>1e308</upper></limit>",
+            "info",
+            "delete it: a continuous joint",
+        ),
+        ("continuous", '<limit lower="-1" upper="1"/>', "info", "delete it: a continuous joint"),
+        (
+            "continuous",
+            "<limit><lower>-1</lower><effort>5</effort></limit>",
+            "warning",
+            "delete it, or write its numbers",
+        ),
+        ("revolute", "<limit><lower>-1</lower><upper>1</upper></limit>", "warning", "delete it, or write its numbers"),
+        ("fixed", '<dynamics friction="1"/>', "info", "delete it: the joint is fixed"),
+        ("continuous", '<dynamics friction="1"/>', "warning", "move it into the <joint> around it"),
+    ],
+)
+def test_what_a_joint_would_not_use_is_not_lost(
+    tmp_path: Path, kind: str, part: str, severity: str, repair: str
+) -> None:
+    text = arm_on_base(kind=kind).replace("</joint>", f'<axis xyz="0 0 1">{part}</axis></joint>')
+    (finding,) = find(tmp_path, text, "XML003", unrequested=frozenset())
+    assert (finding.severity.name.lower(), title(finding)[: len(repair)]) == (severity, repair)
+
+
+@pytest.mark.parametrize("used", [False, True])
+def test_what_one_joint_loses_comes_before_what_another_would_not_use(tmp_path: Path, used: bool) -> None:
+    axis = '<axis xyz="0 0 1"><limit lower="-1" upper="1"/></axis>'
+    kind = "revolute" if used else "continuous"
+    joints = joint("j", "a", "b", axis, kind="continuous"), joint("k", "b", "c", axis, kind=kind)
+    (finding,) = find(tmp_path, robot(link("a"), link("b"), link("c"), *joints), "XML003", unrequested=frozenset())
+    assert finding.subjects[0].startswith("joint[k]" if used else "joint[j]")
+    assert (finding.severity.name == "WARNING") == used
+
+
+def test_a_block_for_gazebo_has_a_name_that_is_defined_where_the_element_is_typed(tmp_path: Path) -> None:
+    """The macro that makes the link has a name for it, and makes other links: the block of one call names its link."""
+    surface = "<surface><friction><ode><mu>5</mu></ode></friction></surface>"
+    hit = collision(box("1 1 1")).replace("</collision>", f"{surface}</collision>")
+    made = '<link name="${name}"><xacro:insert_block name="more"/></link>'
+    macro = f'<xacro:macro name="m" params="name **more">{made}</xacro:macro>'
+    calls = [
+        f'<xacro:m name="{name}"><b>{inside}</b></xacro:m>' for name, inside in (("a", ""), ("b", hit), ("c", hit))
+    ]
+    joints = joint("j", "a", "b"), joint("k", "b", "c")
+    found = find(tmp_path, robot(macro, *calls, *joints, xacro=True), "XML003", name="robot.urdf.xacro")
+    assert [title(f) for f in found] == [
+        'move it into `<gazebo reference="b"><collision>…</collision></gazebo>` at the end of the robot, and the same for c, '
+        "or delete it"
+    ]
+
+
+@pytest.mark.parametrize("inside", ["{hit}", "<xacro:hit/>"])
+def test_a_block_for_gazebo_in_the_macro_of_the_link_has_the_name_of_that(tmp_path: Path, inside: str) -> None:
+    surface = "<surface><friction><ode><mu>5</mu></ode></friction></surface>"
+    hit = collision(box("1 1 1")).replace("</collision>", f"{surface}</collision>")
+    macros = (
+        f'<xacro:macro name="hit">{hit}</xacro:macro>'
+        f'<xacro:macro name="m" params="name"><link name="${{name}}">{inside.format(hit=hit)}</link></xacro:macro>'
+    )
+    calls = '<xacro:m name="a"/><xacro:m name="b"/>'
+    text = robot(macros, calls, joint("j", "a", "b"), xacro=True)
+    (finding,) = find(tmp_path, text, "XML003", name="robot.urdf.xacro")
+    assert title(finding).startswith(
+        'move it into `<gazebo reference="${name}"><collision>…</collision></gazebo>` after the link'
+    )

@@ -85,6 +85,9 @@ _REPEATED = {"robot": CHILDREN["robot"], "link": frozenset({"visual", "collision
 _OF_MOVING_JOINTS = frozenset({"axis", "calibration", "dynamics", "limit", "mimic", "safety_controller"})
 # Those that name other elements: a link needs none.
 _NAMING = frozenset({"parent", "child"})
+# The limits that a continuous joint does not have.
+_POSITIONS = frozenset({"lower", "upper"})
+_WITHOUT_USE = {"fixed": "the joint is fixed", "continuous": "a continuous joint has no limits of its position"}
 # What urdfdom refuses a limit without.
 _LIMITED = ("effort", "velocity")
 # What is typed twice, rounded, is one number: a share, chosen.
@@ -119,15 +122,17 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity = Severity.ERROR  # the shape is lost with it, even if it is empty
         elif severity is Severity.ERROR:
             severity = Severity.WARNING
-        is_of_moving = message == "misspelt" and data["near"] in _OF_MOVING_JOINTS
-        if is_of_moving and all(_is_in_fixed_joint(place) or _holds_zeros(place) for place in places):
-            severity = Severity.INFO
+        meant = data["near"] if message == "misspelt" else tag if message == "misplaced" else ""
+        if meant in _OF_MOVING_JOINTS:
+            places.sort(key=lambda place: _is_unused(place, meant))  # what another joint loses comes first
+            if all(_is_unused(place, meant) or _holds_zeros(place) for place in places):
+                severity = Severity.INFO
+            if message == "misplaced" and all(_is_unused(place, meant) for place in places):
+                data["repair"] = f"delete it: {_WITHOUT_USE[_get_joint_type(places[0])]}"
         if severity is Severity.WARNING and is_aside:
             severity = Severity.INFO
         edits: tuple[Edit, ...] = ()
         if message == "misspelt":
-            if is_of_moving:  # a fixed joint uses none of its parts: what the others lose comes first
-                places.sort(key=_is_in_fixed_joint)
             data["repair"], edits = _describe_renaming(parent_tag, data["near"], places, model)
         data = {"tag": tag, "parent": parent_tag, "times": format_repetition(len(places)), **data}
         finding = rule.finding(
@@ -243,6 +248,19 @@ def _is_in_fixed_joint(element: Element) -> bool:
     return element.parent is not None and element.parent.tag == "joint" and element.parent.get("type") == "fixed"
 
 
+def _is_unused(element: Element, meant: str) -> bool:
+    """Whether the joint around a part does not use it, wherever it is: a fixed joint uses none, and a continuous one no limits of
+    its position."""
+    kind = _get_joint_type(element)
+    named = {*element.attributes, *(child.tag for child in element.children)}
+    return kind == "fixed" or (kind == "continuous" and meant == "limit" and bool(named) and named <= _POSITIONS)
+
+
+def _get_joint_type(element: Element) -> str:
+    joint = _find_around(element, "joint")
+    return "" if joint is None else joint.get("type")
+
+
 def _needs_limit(element: Element) -> bool:
     """Whether an element is in a joint of a type that urdfdom refuses without a limit."""
     return element.parent is not None and element.parent.get("type") in {"revolute", "prismatic"}
@@ -353,7 +371,7 @@ def _classify_element(parent: str, places: list[Element], model: Model) -> tuple
         severity = Severity.INFO if is_repeated or is_note else Severity.WARNING
         return message, severity, {"homes": _list_choices(homes), "repair": repair}
     if parent == "geometry" and not (child.tag in _SDF and not _is_in_place_of_shape(child)):
-        return "shape", Severity.ERROR, {"repair": _describe_shape_repair(places)}
+        return "shape", Severity.ERROR, {"repair": _describe_shape_repair(places, model)}
     if parent == "robot":
         return None
     if child.tag in _SDF:
@@ -560,7 +578,7 @@ def _describe_sdf_repair(parent: str, places: list[Element], model: Model) -> st
     if child.tag in _SWITCHES and all(map(_holds_sdf_defaults, places)):
         return "delete it: that is so without it"
     around = parent if parent == "visual" else "collision"
-    name, where, others = _describe_block_place(places)
+    name, where, others = _describe_block_place(places, model)
     # In the block, sdformat writes a <gravity> of its own before this one, which then does not count.
     is_off = child.tag == "gravity" and not all(map(_holds_sdf_defaults, places))
     inside = "<turnGravityOff>true</turnGravityOff>" if is_off else "…"
@@ -620,28 +638,43 @@ def _find_own_contacts(surface: Element, leaves: list[str], model: Model) -> str
     return _list_tags(wanted) if is_all else ""
 
 
-def _describe_block_place(places: list[Element]) -> tuple[str, str, str]:
+def _describe_block_place(places: list[Element], model: Model) -> tuple[str, str, str]:
     """Return the name of the link or joint that a <gazebo> block for the first place refers to, where to write the block, and a
     word about the other places."""
-    owner = _find_around(places[0], "link", "joint")
+    owners = [_find_around(place, "link", "joint") for place in places]
+    owner = owners[0]
     # In a macro the name is another one at each call.
     name = owner.attributes["name"].typed if owner is not None and "name" in owner.attributes else "LINK"
-    where = "after the link" if "$" in name else "at the end of the robot"
-    return name, where, ", and the others likewise" if len({place.span for place in places}) > 1 else ""
+    likewise = ", and the others likewise" if len({place.span for place in places}) > 1 else ""
+    if owner is None or "$" not in name or _is_typed_inside(places[0], owner, model):
+        return name, "after the link" if "$" in name else "at the end of the robot", likewise
+    # The macro of the link makes others too, and its names are not defined where the block of its call is typed.
+    others = [each.get("name") for each in owners[1:] if each is not None and each.get("name") != owner.get("name")]
+    more = f", and the same for {join_names(others)}" if others else ""
+    return owner.get("name"), "at the end of the robot", more
 
 
-def _describe_shape_repair(places: list[Element]) -> str:
+def _is_typed_inside(place: Element, owner: Element, model: Model) -> bool:
+    """Whether an element, or the call of the macro that makes it, is typed in the element around it, and not in a block that is
+    handed over to the macro of that."""
+    spans = {place.span, *place.via[len(owner.via) :]} - {None}
+    tree = None if owner.span is None else model.source.trees.get(owner.span.file)
+    typed = () if tree is None else (each for each in tree.walk() if each.span == owner.span)
+    return any(inner.span in spans for each in typed for inner in each.walk())
+
+
+def _describe_shape_repair(places: list[Element], model: Model) -> str:
     """Say what to do with an element of a geometry that is no shape."""
     child = places[0]
     is_first = _is_in_place_of_shape(child)
     if child.tag in _FRICTION and (not is_first or (child.parent is not None and len(child.parent.children) > 1)):
-        return _describe_friction_repair(places)
+        return _describe_friction_repair(places, model)
     return "replace it by a box, cylinder, sphere or mesh" if is_first else "delete it: the shape is before it"
 
 
-def _describe_friction_repair(places: list[Element]) -> str:
+def _describe_friction_repair(places: list[Element], model: Model) -> str:
     """Say where the friction of a link is read that is typed beside its shape."""
-    name, where, others = _describe_block_place(places)
+    name, where, others = _describe_block_place(places, model)
     typed = {e.tag: e.text.strip() for e in places[0].walk() if e.tag in {"mu", "mu1", "mu2"}}
     if any(place.span == places[0].span for place in places[1:]):  # a macro, whose calls may give other numbers
         typed = {}
