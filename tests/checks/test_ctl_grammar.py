@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import find
+from builders import find, link, robot
 from conftest import command
 
 from urdfcheck.core import Finding, Severity
@@ -149,3 +149,44 @@ def test_a_misspelled_interface_is_repaired(tmp_path: Path) -> None:
     )
     command("check", str(path), "--fix", "--unsafe-fixes", "--select", "CTL006")
     assert '<command_interface name="position">' in path.read_text(encoding="utf-8")
+
+
+BATTERY = '<sensor name="battery"><state_interface name="voltage"/></sensor>'
+OTHER = block(HARDWARE, 'name="other" type="system"')
+DRIVE = block("<hardware><plugin>p/Drive</plugin></hardware>", 'name="drive" type="system"')
+
+
+@pytest.mark.parametrize(
+    ("inner", "kind", "others", "repair"),
+    [
+        (BATTERY, "p/Drive", DRIVE, "delete the block, or move sensor[battery] into ros2_control drive, whose <hardware>"),
+        (BATTERY, "p/Drive", OTHER + DRIVE, "delete the block, or move sensor[battery] into ros2_control drive"),
+        (BATTERY, "p/Drive", DRIVE.replace("</ros2", BATTERY + "</ros2"), "delete the block: ros2_control drive has its own"),
+        (BATTERY, "p/Drive", "", "write system, sensor or actuator, and add `<hardware><plugin>p/Drive</plugin>"),
+        ("", "p/Drive", DRIVE, "delete the block: nothing is in it"),
+        (BATTERY, "System", DRIVE, "write system, sensor or actuator, and add `<hardware><plugin>package/Class"),
+        (HARDWARE + BATTERY, "p/Drive", DRIVE, "write system, sensor or actuator"),
+    ],
+)  # fmt: skip
+def test_a_block_of_another_type_needs_a_class_under_each_type(
+    tmp_path: Path, inner: str, kind: str, others: str, repair: str
+) -> None:
+    """With a valid type the resource manager fails to load a block without a class: its content belongs elsewhere."""
+    (finding,) = find_errors(tmp_path, block(inner, f'name="power" type="{kind}"') + others)
+    assert finding.message_id == "type"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert "joint" not in finding.consequences["gazebo"]
+
+
+def test_the_joints_of_a_block_of_another_type_have_no_controllers(tmp_path: Path) -> None:
+    (finding,) = find_errors(tmp_path, block(HARDWARE + f'<joint name="a">{STATE}</joint>', 'name="c" type="arm"'))
+    assert finding.consequences["gazebo"] == "the joints of the block have no controllers"
+
+
+def test_a_hardware_under_a_condition_is_the_class_of_a_block_of_another_type(tmp_path: Path) -> None:
+    inner = f'<xacro:if value="0">{HARDWARE}</xacro:if>{BATTERY}'
+    text = robot(link("base"), block(inner, 'name="power" type="Sensors"'), DRIVE, xacro=True)
+    (finding,) = find(tmp_path, text, "CTL005", name="r.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title == "write system, sensor or actuator"

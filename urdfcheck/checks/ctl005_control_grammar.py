@@ -25,6 +25,7 @@ _HOMES = {
     "command_interface": "its <joint>",
     "state_interface": "its <joint>",
 }
+_TYPE = "write system, sensor or actuator"
 _OWN_NAMES = "give each block its own name, for example with the prefix of the arm"
 _CHOSEN = "pass the arguments that choose a <hardware>, or add one for these"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
@@ -77,9 +78,12 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
             name=block.get("name"),
             value=kind.value.strip(),
             plugin=loader,
+            repair=_describe_type_repair(model, block, kind.value.strip()),
+            consequences=None if loader else _describe_loss(block),
         )
     hardware = block.find_children("hardware")
-    if not hardware:
+    is_ignored = kind is not None and kind.value.strip() not in _TYPES  # whatever it has
+    if not hardware and not is_ignored:
         # A condition of xacro may leave it out with these arguments and not with those of a launch file.
         depends = model.source.is_xacro and any("<hardware" in file.text for file in model.source.files.values())
         yield rule.finding(
@@ -93,6 +97,43 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
     for element in hardware:
         yield from _require_plugin(model, rule, element, block.get("name"))
         yield from _check_params(rule, element, block.get("name"))
+
+
+def _describe_type_repair(model: Model, block: Element, value: str) -> str:
+    """Say what becomes of a block of another type: one without a class of its own is loaded under no type, and what is in it may
+    belong in a block that has one."""
+    if _list_classes(block) or _is_typed_inside(model, block, "<hardware"):
+        return _TYPE
+    if format_name_hint(value.lower(), _TYPES) or value.lower() in _TYPES:
+        return f"{_TYPE}, and add `<hardware><plugin>package/Class</plugin></hardware>`; or delete the block"
+    held = {e.label: e for e in block.children if e.tag in _COMPONENTS}
+    others = [each for each in model.robot.find_children("ros2_control") if _list_classes(each)]
+    if not held:
+        return "delete the block: nothing is in it"
+    if not others:
+        loaded = value if "/" in value else "package/Class"
+        return f"{_TYPE}, and add `<hardware><plugin>{loaded}</plugin></hardware>`; or delete the block"
+    other = max(others, key=lambda each: value in _list_classes(each))
+    missing = [label for label in held if label not in {e.label for e in other.children}]
+    if not missing:
+        return f"delete the block: ros2_control {other.get('name')} has its own {join_names(held, 3)}"
+    return (
+        f"delete the block, or move {join_names(missing, 3)} into ros2_control {other.get('name')}, whose <hardware> loads "
+        f"{_list_classes(other)[0]}"
+    )
+
+
+def _describe_loss(block: Element) -> dict[str, str]:
+    """Return what Gazebo does with a block of another type, where that is not about its joints."""
+    if not _list_classes(block):
+        return {"gazebo": "drops the block: gz_ros2_control has no plugin to load"}
+    return {} if block.find_child("joint") is not None else {"gazebo": "offers no interface of the block"}
+
+
+def _list_classes(block: Element) -> list[str]:
+    """List the classes that load a block."""
+    plugins = [plugin for hardware in block.find_children("hardware") for plugin in hardware.find_children("plugin")]
+    return [name for plugin in plugins if (name := plugin.text.strip())]
 
 
 def _find_simulator_class(block: Element) -> str:
@@ -110,20 +151,20 @@ def _require(rule: Rule, element: Element, attribute: str, of: str = "") -> Iter
 
 def _require_plugin(model: Model, rule: Rule, element: Element, name: str) -> Iterator[Finding]:
     plugin = element.find_child("plugin")
-    if plugin is None and _has_conditional_plugin(model, element):
+    if plugin is None and _is_typed_inside(model, element, "<plugin"):
         yield rule.finding("plugin-chosen", at=element, severity=Severity.INFO, tag=element.tag, name=name)
     elif plugin is None or not plugin.text.strip():
         message = "plugin" if plugin is None else "plugin-empty"
         yield rule.finding(message, at=plugin or element, tag=element.tag, name=name)
 
 
-def _has_conditional_plugin(model: Model, element: Element) -> bool:
-    """Whether a ``<plugin>`` is typed in an element that has none: a condition of xacro leaves it out with these arguments."""
+def _is_typed_inside(model: Model, element: Element, start: str) -> bool:
+    """Whether a tag is typed in an element that has none: a condition of xacro leaves it out with these arguments."""
     file = None if element.span is None else model.source.files.get(element.span.file)
     if element.span is None or file is None or not model.source.is_xacro:
         return False
     inside, end, _ = file.text[element.span.end :].partition(f"</{element.tag}>")
-    return bool(end) and "<plugin" in _COMMENT.sub("", inside)
+    return bool(end) and start in _COMMENT.sub("", inside)
 
 
 def _check_component(model: Model, rule: Rule, block: Element, component: Element) -> Iterator[Finding]:
