@@ -899,6 +899,27 @@ def test_a_follower_takes_no_command(tmp_path: Path) -> None:
     assert (finding.message_id, finding.severity) == ("mimic", Severity.WARNING)
 
 
+@pytest.mark.parametrize(
+    ("plugins", "message"),
+    [
+        ("<plugin>gazebo_ros2_control/GazeboSystem</plugin>", None),
+        ("<plugin>gz_ros2_control/GazeboSimSystem</plugin>", "mimic"),
+        (
+            '<xacro:if value="1"><plugin>gazebo_ros2_control/GazeboSystem</plugin></xacro:if>'
+            '<xacro:unless value="1"><plugin>mock_components/GenericSystem</plugin></xacro:unless>',
+            "mimic",
+        ),
+    ],
+)
+def test_gazebo_classic_moves_a_follower_by_its_own_interface(
+    tmp_path: Path, plugins: str, message: str | None
+) -> None:
+    """Unless another variant of the file is for a ROS that refuses it."""
+    block = control().replace('<joint name="j">', f'<hardware>{plugins}</hardware><joint name="j">')
+    text = robot(FOLLOWER, block, xacro=True)
+    assert [f.message_id for f in find(tmp_path, text, "CTL002", name="r.urdf.xacro")] == [message] * bool(message)
+
+
 @pytest.mark.parametrize("body", [control('mimic="false"'), control(inner='<state_interface name="position"/>')])
 def test_a_follower_may_be_measured_or_told_not_to_follow(tmp_path: Path, body: str) -> None:
     assert not find(tmp_path, robot(FOLLOWER, body), "CTL002")

@@ -23,6 +23,8 @@ _DRIVES = re.compile(r"(?:Simple|Differential|FourBarLinkage|Wrist|Gripper)\w*Tr
 _MOVES_FOLLOWERS = re.compile(
     r"(?:mock_components|fake_components|gz_ros2_control|ign_ros2_control|gazebo_ros2_control)/"
 )
+# The hardware of Gazebo Classic, which is not in ROS Jazzy and later.
+_CLASSIC = "gazebo_ros2_control/"
 # Plugins that read joints and move none.
 _PUBLISHES = re.compile(r"joint_?state_?publisher", re.IGNORECASE)
 # Joints without motors, by their names.
@@ -121,7 +123,7 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
         joint = model.joint_by_name.get(element.get("name"))
         if joint is not None and joint.type == "fixed":
             held.setdefault(what, []).append(element)
-        elif joint is not None and joint.mimic is not None:
+        elif joint is not None and joint.mimic is not None and not _is_of_classic(model, element.parent):
             leader = joint.mimic.get("joint")
             yield rule.finding(
                 message,
@@ -134,6 +136,17 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
             )
     for what, elements in held.items():
         yield _build_fixed_finding(model, rule, what, elements)
+
+
+def _is_of_classic(model: Model, control: Element | None) -> bool:
+    """Whether a block of ros2_control is for Gazebo Classic alone, in whichever variant of its file: Gazebo ignores ``<mimic>``
+    there, and the plugin moves a follower by its own command interface. ROS Jazzy, which refuses the interface, lacks the plugin."""
+    if control is None or control.span is None or not (classes := _list_hardware(control)):
+        return False
+    tree = model.source.trees.get(control.span.file)
+    typed = () if tree is None else (each for each in tree.walk() if each.span == control.span)
+    classes += [inner.text.strip() for each in typed for inner in each.walk() if inner.tag == "plugin"]
+    return all(name.startswith(_CLASSIC) for name in classes)
 
 
 def _list_hardware(control: Element) -> list[str]:
