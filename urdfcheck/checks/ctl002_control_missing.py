@@ -140,7 +140,7 @@ def _check_misplaced_commands(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_of_classic(model: Model, control: Element | None) -> bool:
     """Whether a block of ros2_control is for Gazebo Classic alone, in whichever variant of its file: Gazebo ignores ``<mimic>``
-    there, and the plugin moves a follower by its own command interface. ROS Jazzy, which refuses the interface, lacks the plugin."""
+    there, and the plugin moves a follower by its own command interface. ROS Jazzy refuses that, and lacks the plugin."""
     if control is None or control.span is None or not (classes := _list_hardware(control)):
         return False
     tree = model.source.trees.get(control.span.file)

@@ -100,7 +100,7 @@ def _check_block(model: Model, rule: Rule, block: Element) -> Iterator[Finding]:
 
 
 def _describe_type_repair(model: Model, block: Element, value: str) -> str:
-    """Say what becomes of a block of another type: one without a class of its own is loaded under no type, and what is in it may
+    """Return the repair of a block of another type: one without a class of its own is loaded under no type, and what is in it may
     belong in a block that has one."""
     if _list_classes(block) or _is_typed_inside(model, block, "<hardware"):
         return _TYPE

@@ -79,7 +79,7 @@ def _can_merge(same: list[Element]) -> bool:
 
 
 def _describe_first(first: Element, *, is_inserted: bool) -> str:
-    """Return what tells the first of several elements from the others: its values, and whether a call hands it over."""
+    """Describe the first of several elements: its values, and whether a call hands it over."""
     values = "" if first.children else " ".join(f'{a.name}="{a.value}"' for a in first.attributes.values())
     told = [truncate_text(values, _LONGEST)] if values else []
     told += ["a block that a call hands over"] if is_inserted else []
