@@ -172,7 +172,6 @@ def _build_refused_finding(
         tag=tag,
         times=format_repetition(len(elements)),
         names=join_names((element.get("name") for element in elements), 3),
-        lack="lacks" if len(elements) == 1 else "lack",
         reason=reason,
         remedy=remedy,
         deletion="" if used else ", or delete what nothing uses",
