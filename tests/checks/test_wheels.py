@@ -550,6 +550,15 @@ def test_a_cart_with_its_mass_behind_the_wheels_tips_over(tmp_path: Path) -> Non
     assert finding.data["margin"] == pytest.approx(0.05 * 5 / 5.8 * 1e3)
 
 
+@pytest.mark.parametrize("held", ['<gazebo reference="base"><kinematic>{}</kinematic>', "<gazebo><static>{}</static>"])
+def test_weight_does_not_tip_what_gazebo_poses(tmp_path: Path, held: str) -> None:
+    text = DEFECTS["DYN004"].text()
+    for flag in ("false", "true"):
+        block = f"{held.format(flag)}</gazebo></robot>"
+        found = find_in_car(tmp_path / flag, "DYN004", text.replace("</robot>", block))
+        assert bool(found) == (flag == "false")
+
+
 def test_a_boat_does_not_stand_on_its_propellers(tmp_path: Path) -> None:
     boat = replace(DEFECTS["DYN004"], wheels=tuple(replace(w, name=w.name.replace("wheel", "propeller")) for w in PAIR))
     assert not find_in_car(tmp_path, "DYN004", boat)

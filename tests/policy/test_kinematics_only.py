@@ -79,6 +79,21 @@ def test_what_gazebo_holds_still_needs_no_masses_and_limits(tmp_path: Path, stat
     assert {f["code"] for f in found} & (UNMOVED | {"JNT007"}) == codes
 
 
+PLACEHOLDERS = (link("body", inertial(1e-4, 1e-4), visual(box("1 1 1"))), link("tag", inertial(1e-4, 1e-4)))
+MOVED_BY_A_PLUGIN = '<gazebo reference="tag"><kinematic>{}</kinematic></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("kind", "flag", "is_reported"),
+    [("fixed", "false", True), ("fixed", " true ", False), ("continuous", "true", True)],
+)
+def test_what_is_kinematic_in_gazebo_needs_no_masses(tmp_path: Path, kind: str, flag: str, is_reported: bool) -> None:
+    one = joint("j", "body", "tag", kind=kind)
+    (tmp_path / "r.urdf").write_text(robot(*PLACEHOLDERS, one, MOVED_BY_A_PLUGIN.format(flag)))
+    done = command("r.urdf", "--format", "json", cwd=tmp_path).stdout
+    assert ("INR015" in {f["code"] for f in json.loads(done)["findings"]}) is is_reported
+
+
 def test_a_part_that_gazebo_drops_is_reported_in_scenery_too(tmp_path: Path) -> None:
     (tmp_path / "r.urdf").write_text(ROBOT.replace("</robot>", STATIC + "</robot>"))
     assert ("INR002", "inertia_without_mass") in list_found(tmp_path)

@@ -18,6 +18,7 @@ from urdfcheck.model.fixed_joint_lumping import (
     is_true_flag,
     reduce_fixed_joints,
 )
+from urdfcheck.model.gazebo import find_kinematic_links, is_held_still
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.xml import Element
 
@@ -232,12 +233,16 @@ def _check_gravity_flags(
         body = reduction.body_by_link.get(block.get("reference"))
         if flags and body is not None:
             off.setdefault(body, {}).setdefault(block.get("reference"), flags[0])
+    # Gravity moves none of these, with its flag or without.
+    unmoved = {reduction.body_by_link.get(name) for name in find_kinematic_links(model.robot)}
     masses: dict[str, float] = {}
     for name, body in reduction.body_by_link.items():
         masses[body] = masses.get(body, 0.0) + _get_mass(model, name)
     for body, flagged in off.items():
         own = sum(_get_mass(model, name) for name in flagged)
-        if body not in flagged and own < 0.5 * masses[body] and not _is_fixed_to_world(model, body):
+        if body in flagged or body in unmoved or own >= 0.5 * masses[body]:
+            continue
+        if not _is_fixed_to_world(model, body) and not is_held_still(model.robot):
             first, *others = flagged.values()
             links = join_names(flagged, 3)
             yield rule.finding("gravity", at=first, related=others, links=links, body=body, own=own, total=masses[body])

@@ -10,6 +10,7 @@ from urdfcheck.source.text.xml import Element
 
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
 
+_TRUE = frozenset({"true", "1"})
 # The elements that name the frame of a sensor's messages: in the sensors of the new Gazebo, and in plugins of Classic too.
 FRAME_TAGS = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id"})
 PLUGIN_FRAME_TAGS = FRAME_TAGS | {"frameName", "frame_name"}
@@ -39,7 +40,32 @@ class GazeboSensor:
 def is_held_still(robot: Element) -> bool:
     """Whether Gazebo holds the whole model still: a block without reference says ``<static>``."""
     blocks = (block for block in robot.find_children("gazebo") if not block.get("reference"))
-    return any(e.text.strip() in {"true", "1"} for block in blocks for e in block.find_children("static"))
+    return any(e.text.strip() in _TRUE for block in blocks for e in block.find_children("static"))
+
+
+def is_posed(robot: Element) -> bool:
+    """Whether no force moves any part of the model in Gazebo: it is held still, or it is one body that is kinematic, which only
+    a plugin or a service moves."""
+    is_one_body = all(joint.get("type").strip() == "fixed" for joint in robot.find_children("joint"))
+    return is_held_still(robot) or (is_one_body and bool(find_kinematic_links(robot)))
+
+
+def find_kinematic_links(robot: Element) -> frozenset[str]:
+    """Find the links whose bodies are kinematic in Gazebo: gravity and contacts do not move these, whatever they weigh."""
+    return frozenset(
+        block.get("reference")
+        for block in robot.find_children("gazebo")
+        if block.get("reference") and any(e.text.strip() in _TRUE for e in block.find_children("kinematic"))
+    )
+
+
+def has_posed_root(model: Model) -> bool:
+    """Whether Gazebo holds the root still, or moves it only where a plugin or a service says.
+
+    :raises FactUnavailableError: when the tree is broken.
+    """
+    kinematic = find_kinematic_links(model.robot)
+    return is_held_still(model.robot) or not kinematic.isdisjoint(model.tree.list_body_links(model.tree.root))
 
 
 def list_sensors(model: Model) -> list[GazeboSensor]:

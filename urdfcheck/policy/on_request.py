@@ -80,7 +80,7 @@ def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -
 
 
 def leave_out_unfelt_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
-    """Leave out the same of a model that Gazebo holds still, unless Gazebo loses a part of it."""
+    """Leave out the same of a model that no force moves in Gazebo, unless Gazebo loses a part of it."""
     return [
         finding
         for finding in findings
