@@ -223,6 +223,29 @@ def test_a_model_of_gazebo_is_no_package(tmp_path: Path, path: str, message: str
     assert own.fix.title.startswith("write `package://p/parts/a.stl`, if these files are meant")
 
 
+SIM = "SetEnvironmentVariable('GZ_SIM_RESOURCE_PATH', os.path.join(get_package_share_directory('p'), 'assets'))"
+
+
+@pytest.mark.parametrize(
+    ("launch", "path", "message", "severity"),
+    [
+        (SIM, "model://meshes/a.stl", "files-path", Severity.INFO),
+        (SIM + "\nNode(package='rviz2')", "model://meshes/a.stl", "files-path", Severity.WARNING),
+        (SIM, "package://meshes/a.stl", "files", Severity.ERROR),
+        ("# " + SIM, "model://meshes/a.stl", "files", Severity.ERROR),
+        (SIM.replace("assets", "worlds"), "model://meshes/a.stl", "files", Severity.ERROR),
+        (SIM, "model://mesh/a.stl", "files", Severity.ERROR),
+    ],
+)
+def test_gazebo_finds_a_folder_to_which_a_launch_file_leads_it(
+    tmp_path: Path, launch: str, path: str, message: str, severity: Severity
+) -> None:
+    folder = package(tmp_path, "assets/meshes/a.stl")
+    write(tmp_path, {"p/launch/sim.launch.py": launch})
+    finding = only(audit(folder, make_mesh_link("a", path)))
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
 @pytest.mark.parametrize(
     ("readme", "message"), [("export GAZEBO_MODEL_PATH=$PWD/models", "files-gazebo"), ("a robot", "files")]
 )

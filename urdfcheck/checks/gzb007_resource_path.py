@@ -12,12 +12,14 @@ from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.nodes_python import read_python_actions
 from urdfcheck.source.launch.nodes_xml import LaunchAction, LaunchContents, read_launch_actions
 from urdfcheck.source.package.finder import Package, PackageFinder
+from urdfcheck.source.package.gazebo_paths import RESOURCE_PATH
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Attribute
 
-# Whatever leads Gazebo to a package: an export, an environment hook or a variable that a launch file sets.
-_PATH = re.compile(r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH|SDF_PATH|package://")
+# Whatever leads Gazebo to a package: an export, an environment hook or a variable that a launch file sets; or it replaces the
+# paths itself.
+_PATH = re.compile(rf"{RESOURCE_PATH.pattern}|package://")
 # A variant of the robot whose meshes are given by folders, or a folder that the launch file may pass.
 _OTHER_ROOT = re.compile(r"file://\$|<xacro:arg\b[^>]*=\s*[\"']package://")
 _SPAWNERS = frozenset({("ros_gz_sim", "create"), ("ros_ign_gazebo", "create"), ("gazebo_ros", "spawn_entity.py")})

@@ -14,6 +14,7 @@ from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.gazebo_paths import GazeboFolder, find_gazebo_folder
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -33,7 +34,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.text.tokens import locate_text
-from urdfcheck.source.text.xml import flatten_definitions
+from urdfcheck.source.text.xml import Element, flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
     KEPT_ASIDE,
     OF_TESTS,
@@ -41,6 +42,8 @@ from urdfcheck.source.uses_elsewhere import (
     find_deploying_script,
     is_certainly_left_aside,
     is_unused,
+    iter_user_texts,
+    read_project_texts,
 )
 from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
 
@@ -51,12 +54,14 @@ _LEAST_FILES = 3
 # The messages about models that are right somewhere else.
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
-    *("files-gazebo", "files-kept", "files-model"),
+    *("files-gazebo", "files-kept", "files-model", "files-path"),
     *("expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"),
 })  # fmt: skip
 # What a file is of which no program of the robot needs the meshes, by what says so.
 _KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
+# Programs that do not read `model://`.
+_OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
 
@@ -123,6 +128,7 @@ def _build_finding(
     script = find_deploying_script(source) if is_lost and uses else None
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
     is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
+    on_path = _find_folder_on_path(source, package, files) if is_of_gazebo else None
     is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
     is_found_by_gazebo = is_lost and message == "files" and source.package is None and bool(uses)
     gazebo_model = _find_gazebo_model(source, package, files) if is_found_by_gazebo else None
@@ -132,6 +138,8 @@ def _build_finding(
         message = f"{message}-inside"
     elif script is not None:
         message = "files-part"
+    elif on_path is not None and message in {"files", "files-aside"}:
+        message = "files-path"
     elif is_of_gazebo and package and message in {"files", "files-aside"}:
         message = "files-model"
     elif gazebo_model is not None:
@@ -144,6 +152,8 @@ def _build_finding(
     }
     # Without a package the model may be for programs that need none.
     is_outside = message == "nameless" and here and source.package is None
+    # Its other programs lack what nothing else of the link stands for.
+    is_outside = is_outside or (message == "files-path" and _is_lost_to_others(uses, source))
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
     # A package may be meant by its name and lack the files all the same.
@@ -181,7 +191,15 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
-        folder=format_path(gazebo_model) if gazebo_model is not None else "" if clone is None else clone.name,
+        folder=format_path(gazebo_model)
+        if gazebo_model is not None
+        else format_path(on_path.folder)
+        if on_path is not None
+        else ""
+        if clone is None
+        else clone.name,
+        setter="" if on_path is None else on_path.file.name,
+        variable="" if on_path is None else on_path.variable,
         inside=inside,
         script="" if script is None else script.name,
         kept=kept,
@@ -205,6 +223,36 @@ def _build_finding(
 def _names_gazebo_model(use: ResourceUse) -> bool:
     """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
     return use.resource.text.lower().startswith("model://")
+
+
+def _find_folder_on_path(source: Source, package: str, files: Sequence[str]) -> GazeboFolder | None:
+    """Return the folder of the model's own package that has all files, and to which a file of the project leads Gazebo."""
+    paths = [f"{package}/{get_path_in_package(file, package)}" for file in files]
+    if source.package is None or not package:
+        return None
+    return find_gazebo_folder(source.package.path, iter_user_texts(source), paths)
+
+
+def _is_lost_to_others(uses: Sequence[ResourceUse], source: Source) -> bool:
+    """Whether a program that does not read ``model://`` is named in the project, and finds no other shape in place of one of
+    these."""
+    own = {use.attribute.owner for use in uses}
+    shapes = [_find_shape(use.attribute.owner) for use in uses]
+    lacking = any(
+        shape is not None
+        and shape.parent is not None
+        and all(own.intersection(other.walk()) for other in shape.parent.find_children(shape.tag))
+        for shape in shapes
+    )
+    return lacking and any(map(_OTHER_READERS.search, read_project_texts(source)))
+
+
+def _find_shape(element: Element) -> Element | None:
+    """Return the visual or collision that an element is in."""
+    above: Element | None = element
+    while above is not None and above.tag not in {"visual", "collision"}:
+        above = above.parent
+    return above
 
 
 def _find_gazebo_model(source: Source, package: str, files: Sequence[str]) -> Path | None:
@@ -231,7 +279,7 @@ def _sets_model_path(project: Path) -> bool:
 
 def _grade(message: str, *, is_outside: bool) -> Severity | None:
     """Return the severity of a message; None for that of the rule."""
-    if message in _NOTES:
+    if message in _NOTES and not is_outside:
         return Severity.INFO
     return Severity.WARNING if is_outside or message == "files-released" else None
 

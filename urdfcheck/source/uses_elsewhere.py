@@ -232,15 +232,21 @@ def is_completed_by_includer(source: Source) -> bool:
 
 def read_project_texts(source: Source) -> Iterator[str]:
     """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
+    for _, text in iter_user_texts(source):
+        yield text
+
+
+def iter_user_texts(source: Source) -> Iterator[tuple[Path, str]]:
+    """Yield the same texts with the files that they are in."""
     finder, package = source.finder, source.package
     if package is None:
-        yield from read_package_texts(source.path.absolute().parent, finder.can_open, deep=False)
+        yield from iter_package_texts(source.path.absolute().parent, finder.can_open, deep=False)
         return
-    yield from read_package_texts(package.path, finder.can_open)
+    yield from iter_package_texts(package.path, finder.can_open)
     for name, folder in sorted(finder.list_workspace_packages().items()):
         if folder != package.path and has_dependency(folder, package.name):
             finder.find(name)  # then it counts as found, and its files are in reach
-            yield from read_package_texts(folder, finder.can_open)
+            yield from iter_package_texts(folder, finder.can_open)
 
 
 def iter_project_texts(source: Source, file: Path | None = None) -> Iterator[tuple[Path, str]]:
