@@ -223,6 +223,26 @@ def test_a_model_of_gazebo_is_no_package(tmp_path: Path, path: str, message: str
     assert own.fix.title.startswith("write `package://p/parts/a.stl`, if these files are meant")
 
 
+@pytest.mark.parametrize("path", ["package://arms/{}.stl", "{}.stl", "P/{}.STL", "p/{}.stl"])
+@pytest.mark.parametrize(
+    ("names", "moveit", "gazebo"),
+    [("a", "loads it", "(no visual)"), ("aa", "drops", "(no visual, no contact)"), ("-a", "drops", "(no contact)")],
+)
+def test_each_program_loses_what_it_uses(tmp_path: Path, path: str, names: str, moveit: str, gazebo: str) -> None:
+    folder = package(tmp_path, "urdf/P/a.stl")
+    pointer = folder.parent / "p" / "a.stl"
+    pointer.parent.mkdir(exist_ok=True)
+    pointer.write_text("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1234\n")
+    shapes = [
+        make(mesh(path.format(name))) for name, make in zip(names, (visual, collision), strict=False) if name != "-"
+    ]
+    found = audit(folder, link("a", *shapes), codes=CODES | {"PKG009"}).findings
+    assert found
+    for finding in found:
+        assert finding.consequences["moveit"].startswith(moveit)
+        assert gazebo in finding.consequences["gazebo"]
+
+
 SIM = "SetEnvironmentVariable('GZ_SIM_RESOURCE_PATH', os.path.join(get_package_share_directory('p'), 'assets'))"
 
 

@@ -11,7 +11,7 @@ from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError
 from urdfcheck.model import Link, Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.use.test_files import is_of_tests
-from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
+from urdfcheck.source.text.engine_reactions import describe_unread_visuals, describe_unreadable_mesh, name_lost_shapes
 
 CAUSES = {
     "html": "web_page",
@@ -119,6 +119,7 @@ def _build_finding(
         cause=CAUSES.get(reason_id),
         severity=severity,
         consequences=_describe_consequences(rule, uses, message, reason_id),
+        lost=name_lost_shapes(use.shape.element for use in uses),
         mesh=uses[0].filename.value,
         reason=reason,
         repair=repair,
@@ -149,7 +150,8 @@ def _is_massless_and_fixed(model: Model, link: Link) -> bool:
 def _describe_consequences(rule: Rule, uses: Sequence[MeshUse], message: str, reason_id: str) -> dict[str, str]:
     """Describe what the programs of the page do in this case."""
     file_type = uses[0].name.rpartition(".")[2].lower()
-    described = describe_unreadable_mesh(use.shape.element for use in uses)
+    parts = [use.shape.element for use in uses]
+    described = describe_unreadable_mesh(parts) | describe_unread_visuals(parts)
     if message != "unreadable":
         described.update({program: NOT_TRIED for program, own in OWN_LOADERS.items() if file_type in own})
         described.update(dict.fromkeys(PYCOLLADA if file_type != "dae" else (), NOT_TRIED))

@@ -33,6 +33,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
+from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element, flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
@@ -179,6 +180,7 @@ def _build_finding(
         edits=_propose_edits(uses, package, near),
         severity=_grade(message, is_outside=bool(is_outside)),
         consequences=describe_missing_uses(uses, source) if lost else None,
+        lost=name_lost_shapes(use.attribute.owner for use in uses),
         package=package,
         manifest="package.xml"
         if dependent is None or (source.package and dependent == source.package.name)

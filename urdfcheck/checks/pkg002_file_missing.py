@@ -50,7 +50,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
-from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
 from urdfcheck.source.uses_elsewhere import explain_kept_file
@@ -102,9 +102,15 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             missing.append((use, path))
     for place, found in special.items():
         what = "a folder" if place.is_dir() else "a pipe, a socket or a device"
-        consequences = describe_missing_mesh(use.attribute.owner for use in found)
+        parts = [use.attribute.owner for use in found]
         yield rule.finding(
-            "kind", at=found[0], related=found[1:], consequences=consequences, path=format_path(place), what=what
+            "kind",
+            at=found[0],
+            related=found[1:],
+            consequences=describe_missing_mesh(parts) | describe_unread_visuals(parts),
+            lost=name_lost_shapes(parts),
+            path=format_path(place),
+            what=what,
         )
     if not missing:
         return
@@ -127,11 +133,14 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
 def _build_python_finding(uses: list[tuple[ResourceUse, Path]], package: str, rule: Rule) -> Finding:
     """Report all files that are installed in the Python package of this name only."""
     (at, first), files = uses[0], {path: use.resource.text for use, path in uses}
+    parts = [use.attribute.owner for use, _ in uses]
     return rule.finding(
         "python-data",
         at=at,
         related={use.attribute.span: use for use, _ in uses if use.attribute.span != at.attribute.span}.values(),
         severity=Severity.WARNING,
+        consequences=describe_unread_visuals(parts),
+        lost=name_lost_shapes(parts),
         package=package,
         path=format_path(first),
         files=list(files.values()),
@@ -206,6 +215,7 @@ def _build_finding(
         severity=Severity.INFO if kept else None,
         edits=_propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
+        lost=name_lost_shapes(use.attribute.owner for use in gap.uses),
         repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}"
         if own
         else describe_project_path(here.values(), source)

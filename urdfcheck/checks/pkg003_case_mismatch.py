@@ -16,7 +16,7 @@ from urdfcheck.source.resources import (
     find_search_root,
     list_resource_uses,
 )
-from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file
 
@@ -36,6 +36,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         # A call of the same macro makes a path of it that is right.
         is_shared = any(use.attribute.span in right for use in uses)
         edits = [None if other or is_shared else _propose_edit(use, actual, source.files) for use in uses]
+        parts = [use.attribute.owner for use in uses]
         yield rule.finding(
             "case",
             at=_locate(first, actual, source.files),
@@ -52,7 +53,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             repair=f"name the file in {format_path(other.parent)}, or write `{actual}` if that is meant"
             if other
             else _describe_repair(uses, actual, is_shared=is_shared, is_typed=all(edits)),
-            consequences=describe_missing_mesh(use.attribute.owner for use in uses),
+            consequences=describe_missing_mesh(parts) | describe_unread_visuals(parts),
+            lost=name_lost_shapes(parts),
         )
 
 

@@ -26,7 +26,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
-from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file, is_kept_output
 from urdfcheck.system.observing.questions import note_content
@@ -90,6 +90,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     files = list(dict.fromkeys(u.resource.text for u in place.uses))
     message = _choose_message(first)
     host = _HOST.match(first.resource.text)
+    parts = [use.attribute.owner for use in place.uses]
     is_lost = message in {"host", "nowhere"} or (message == "installed" and not first.resource.exists)
     return rule.finding(
         message,
@@ -97,7 +98,8 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         severity=_get_severity(message, source),
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=_propose_edits(place, portable) if message != "installed" else [],
-        consequences=describe_missing_mesh(use.attribute.owner for use in place.uses) if is_lost else None,
+        consequences=describe_missing_mesh(parts) | describe_unread_visuals(parts) if is_lost else None,
+        lost=name_lost_shapes(parts),
         file=first.resource.text,
         files=files,
         listed=join_names(files, 2),

@@ -11,7 +11,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.resources import ResourceUse, list_resource_uses
-from urdfcheck.source.text.engine_reactions import describe_unreadable_mesh
+from urdfcheck.source.text.engine_reactions import describe_unread_visuals, describe_unreadable_mesh, name_lost_shapes
 from urdfcheck.source.text.globs import match_any_pattern, split_relative_path
 from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file
 from urdfcheck.system.files import read_start
@@ -41,6 +41,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             tracked = "archive" if repository is None else _find_tracking(path, repository)
             by_source.setdefault((repository, tracked), []).append(use)
     for (repository, tracked), uses in by_source.items():
+        parts = [use.attribute.owner for use in uses]
         paths = list(dict.fromkeys(use.resource.path for use in uses if use.resource.path is not None))
         yield rule.finding(
             "pointer" if len(paths) == 1 else "pointers",
@@ -52,7 +53,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             count=len(paths),
             listed=join_names((path.name for path in paths), 4),
             files=[format_path(path) for path in paths],
-            consequences=describe_unreadable_mesh(use.attribute.owner for use in uses),
+            consequences=describe_unreadable_mesh(parts) | describe_unread_visuals(parts),
+            lost=name_lost_shapes(parts),
             bytes=sum(sizes[path] or 0 for path in paths),
             repository=None if repository is None else format_path(repository),
             repair=_describe_repair(repository, tracked),

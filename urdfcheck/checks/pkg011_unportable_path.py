@@ -20,6 +20,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
     normalize_spelling,
 )
+from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 
 _SCHEMES = ("package", "model", "file")
@@ -111,6 +112,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         consequences=_IN_ROS1 if problem.message == "blank" and severity is Severity.INFO and not lost else None,
         file=files[0],
         files=files,
+        absent=name_lost_shapes(use.attribute.owner for use in problem.uses),
         part=problem.part,
         scheme=problem.part,
         letters="".join(sorted({c for c in problem.part if not c.isascii()})[:10]),

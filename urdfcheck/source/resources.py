@@ -14,7 +14,7 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, PackageFinder, Resource
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.ros.dependencies import find_dependent_in_project
-from urdfcheck.source.text.engine_reactions import describe_missing_mesh
+from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 from urdfcheck.system.files import note_lookup
@@ -226,12 +226,13 @@ def format_path_from_model(path: Path, source: Source) -> str:
 
 
 def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[str, str]:
-    """Describe what MuJoCo, yourdfpy and Bullet do with meshes that are not where their paths lead.
+    """Describe what MuJoCo, yourdfpy, Bullet and MoveIt do with meshes that are not where their paths lead.
 
     Bullet drops the scheme and tries each path in every folder above the model (checked with PyBullet 3.2.7).
     """
     missing = list(uses)
-    told = describe_missing_mesh(use.attribute.owner for use in missing)
+    parts = [use.attribute.owner for use in missing]
+    told = describe_missing_mesh(parts) | describe_unread_visuals(parts)
     if all(find_above(use, source) for use in missing):
         return told | {"bullet": "loads it: it tries the paths in every folder above the model"}
     if _is_only_folder_in_reach(source) and all(use.resource.kind in {"package", "relative"} for use in missing):

@@ -39,9 +39,9 @@ _FEWEST_CHAIN_JOINTS = 2
 def explain_fixed_base(model: Model) -> str:
     """Return why the base of a robot cannot move, empty if it can.
 
-    It is what `Model.base` says. With auto, the base is fixed if the root link is named world or map or has no mass, if
-    Gazebo holds it still or it is kinematic there, if the semantic description (SRDF) fixes it, or if the robot is an arm or a hand: one limb of several joints, or limbs that are arms
-    or fingers by name, and no wheel, leg, track or rotor.
+    It is what `Model.base` says. With auto, the base is fixed if the root link is named world or map or has no mass, if Gazebo
+    holds it still or it is kinematic there, if the semantic description (SRDF) fixes it, or if the robot is an arm or a hand: one
+    limb of several joints, or limbs that are arms or fingers by name, and no wheel, leg, track or rotor.
 
     :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
     """

@@ -134,6 +134,17 @@ def describe_missing_mesh(parts: Iterable[Element]) -> dict[str, str]:
     }
 
 
+def describe_unread_visuals(parts: Iterable[Element]) -> dict[str, str]:
+    """Describe what MoveIt loses with the meshes of shapes: nothing where all of them are only drawn."""
+    return {} if any(map(is_collision_part, parts)) else {"moveit": "loads it: it loads no visual mesh"}
+
+
+def name_lost_shapes(parts: Iterable[Element]) -> str:
+    """Say what a simulator lacks without the meshes of shapes that are drawn, that collide, or both."""
+    collide = set(map(is_collision_part, parts))
+    return "no visual, no contact" if len(collide) > 1 else "no contact" if True in collide else "no visual"
+
+
 def _keeps_visuals(element: Element) -> bool:
     """Whether the file of an element tells MuJoCo to keep what is only drawn."""
     root = element
