@@ -1163,6 +1163,16 @@ def test_another_package_of_the_given_folder_may_use_the_footprint(
     assert (found == ["footprint-unused"]) == (given == "car")
 
 
+@pytest.mark.parametrize(("name", "is_exported"), [("tf_footprint_base", True), ("base_to_footprint", False)])
+@pytest.mark.parametrize("beside", ["", NAMED])
+def test_the_exporter_is_named_only_beside_its_own_node(
+    tmp_path: Path, name: str, is_exported: bool, beside: str
+) -> None:
+    words = f'"static_transform_publisher" name="{name}" args="0 0 0 0 0 0 base_link base_footprint 40"'
+    (finding,) = find_in_launch(tmp_path, f'<node pkg="tf" type={words}/>{beside}', "LCH005")
+    assert (finding.cause is not None) == is_exported
+
+
 def test_without_the_model_the_footprint_may_be_its_root_already(tmp_path: Path) -> None:
     words = "0 0 0 0 0 0 base_link base_footprint 40"
     (finding,) = find_in_launch(tmp_path, transform(words).removeprefix(LOAD), "LCH005")

@@ -27,8 +27,8 @@ from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or
 
 # Numbers that were rounded differ by less: degrees and metres.
 _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
-# The line that the SolidWorks exporter writes into its gazebo.launch, whatever the robot is.
-_EXPORTED = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3)
+# The transform that the SolidWorks exporter writes into its gazebo.launch, whatever the robot is, and the name of its node.
+_EXPORTED, _EXPORTED_NODE = ("base_link", "base_footprint", (0.0,) * 3, (0.0,) * 3), "tf_footprint_base"
 # What else is not a use of its frame: the line itself in another launch file of the exporter, and a comment.
 _NO_USE = re.compile(r"base_link\s+base_footprint\b|<!--.*?(?:-->|\Z)", re.DOTALL)
 # The model that a launch file hands to Gazebo as a file, and what of a model may publish odometry.
@@ -145,6 +145,8 @@ def _check_footprint(
     rule: Rule, launch: Launch, transform: StaticTransform, model: Model | None, *, height_tol: float
 ) -> Iterator[Finding]:
     exported = (transform.parent, transform.child, transform.xyz, transform.rpy) == _EXPORTED
+    # Others write the same numbers by hand.
+    cause = "solidworks-exporter" if exported and transform.node.get("name").strip() == _EXPORTED_NODE else None
     # A drive plugin publishes odom → base_footprint unless it is told another frame.
     drives = model is not None and any(True for _ in list_drive_plugins(model))
     is_foreign = exported and model is None and _lacks_frames(launch, transform)
@@ -152,7 +154,7 @@ def _check_footprint(
         yield rule.finding(
             "footprint-foreign" if is_foreign else "footprint-unused",
             at=transform.at,
-            cause="solidworks-exporter",
+            cause=cause,
             severity=Severity.INFO,
             parent=transform.parent,
             child=transform.child,
@@ -160,7 +162,7 @@ def _check_footprint(
         return
     common: dict[str, Any] = {
         "at": transform.at,
-        "cause": "solidworks-exporter" if exported else None,
+        "cause": cause,
         # Without the model nothing shows that the robot drives, and the exporter does not ask.
         "severity": Severity.INFO if (exported if model is None else list_bolted_links(model)) else None,
         "parent": transform.parent,
