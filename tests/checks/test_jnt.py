@@ -339,6 +339,24 @@ def test_a_zero_velocity_counts_although_no_joint_has_an_effort(tmp_path: Path) 
     ]
 
 
+@pytest.mark.parametrize(
+    ("effort", "alone", "beside"),
+    [
+        (0, " but an effort", ': taken literally, no motion is allowed; 1 other joint has effort="0" too (k)'),
+        (4, "", "ed"),
+    ],
+)
+def test_joints_without_both_are_counted_beside_those_without_a_velocity(
+    tmp_path: Path, effort: int, alone: str, beside: str
+) -> None:
+    texts = [f'<limit lower="0" upper="1" effort="{e}" velocity="{v}"/>' for e, v in ((4, 0), (effort, 0), (4, 3))]
+    joints = [make_joint(text, name=name, child=child) for text, name, child in zip(texts, "jkl", "bcd", strict=True)]
+    text = f'<robot name="r">{"".join(map(link, "abcd"))}{"".join(joints)}</robot>'
+    (finding,) = [f for f in find(tmp_path, text, "JNT007") if f.message_id == "velocity-zero"]
+    assert f"velocity limit 0{alone}: j" in finding.headline
+    assert finding.message.endswith(beside)
+
+
 @pytest.mark.parametrize("control", [transmit("EffortJointInterface"), control("gz_ros2_control/GazeboSimSystem")])
 def test_zero_effort_of_a_motor_is_a_warning(tmp_path: Path, control: str) -> None:
     idle = make_joint('<limit lower="0" upper="1" effort="0" velocity="1"/>')

@@ -235,7 +235,20 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: A
             slow,
             severity=None if is_odd and not is_planned else Severity.INFO,
             consequences=_PLANNED if is_planned else None,
+            **_describe_joints_beside(slow, [joint for joint in powerless if joint.name in still]),
         )
+
+
+def _describe_joints_beside(slow: Sequence[Joint], both: Sequence[Joint]) -> dict[str, str]:
+    """Say that other joints have a velocity of 0 too, but no effort either, so that the number is not taken for that of all."""
+    others = [joint for joint in both if joint not in slow]
+    if not others:
+        return {"alone": "", "beside": ""}
+    counted = format_count(len(others), "other joint has", "other joints have")
+    return {
+        "alone": "" if any(joint in both for joint in slow) else " but an effort",
+        "beside": f'; {counted} effort="0" too ({join_names((joint.name for joint in others), 4)})',
+    }
 
 
 def _have_planning_speeds(model: Model, joints: Sequence[Joint]) -> bool:
