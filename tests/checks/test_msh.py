@@ -1080,6 +1080,23 @@ def test_a_unit_matters_where_a_program_ignores_it(
     assert finding.message_id == message
 
 
+@pytest.mark.parametrize(
+    ("role", "unit", "size", "message"),
+    [
+        ("visual", 0.01, 501, "unit-drawn"),
+        ("visual", 100.0, 5.01, "unit"),
+        ("visual", 1.1, 4.9, "unit"),
+        ("collision", 0.01, 501, "unit"),
+    ],
+)
+def test_a_boat_is_larger_than_a_robot(tmp_path: Path, role: str, unit: float, size: float, message: str) -> None:
+    manifest = "<package><name>boat</name><depend>gazebo_ros</depend></package>"
+    (tmp_path / "package.xml").write_text(manifest, encoding="utf-8")
+    (tmp_path / "hull.dae").write_text(collada(unit, size), encoding="utf-8")
+    (finding,) = find(tmp_path, robot(link("a", inertial(180, 100), shape(role, "hull.dae"))), "MSH008")
+    assert finding.message_id == message
+
+
 @pytest.mark.parametrize(("kind", "message"), [("fixed", "unit-drawn"), ("revolute", "unit")])
 def test_scenery_is_larger_than_a_robot(tmp_path: Path, kind: str, message: str) -> None:
     """A hall of 16 m, or of 640 m where its unit is ignored: the first is not said to be wrong."""

@@ -145,7 +145,9 @@ def _build_unit_finding(
     }.get((limits.is_plausible(drawn), limits.is_plausible(plain)), "one of them is wrong")
     names = list(dict.fromkeys(use.name for use in uses))
     # What is only drawn, and right where it is drawn, is wrong for programs that the project does not use.
-    is_plausible = limits.is_plausible(drawn) or (_is_scenery(model) and not limits.is_plausible(plain))
+    # Nor is it known how large a robot without extent is: a boat of 5 m, which is 500 m where the unit is ignored.
+    is_of_any_size = _is_scenery(model) or (limits.largest < drawn < plain and not limits.is_too_large(drawn))
+    is_plausible = limits.is_plausible(drawn) or (is_of_any_size and not limits.is_plausible(plain))
     is_drawn = not _has_collision(uses) and is_plausible
     is_drawn_right = is_drawn and not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
     finding = rule.finding(
