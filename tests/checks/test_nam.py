@@ -23,6 +23,26 @@ def model(link: str, joint: str = "j") -> str:
 
 class TestNAM001:
     @pytest.mark.parametrize(
+        ("script", "severity"),
+        [
+            ("xacro r.urdf > m.urdf\ngz sdf -p m.urdf > m.sdf", Severity.INFO),
+            ("xacro r.urdf > m.urdf", Severity.WARNING),
+            ("gz sdf -p s.urdf > m.sdf", Severity.WARNING),
+            ("gz sdf -p r.urdf > m.sdf\nroslaunch p rviz.launch model:=r.urdf", Severity.WARNING),
+        ],
+    )
+    def test_a_slash_in_a_file_that_only_gazebo_reads_is_a_note(
+        self, tmp_path: Path, script: str, severity: Severity
+    ) -> None:
+        files = {
+            "package.xml": "<package><name>p</name></package>",
+            "r.urdf": '<robot name="r"><link name="/a"/></robot>',
+            "make.sh": script,
+        }
+        (finding,) = find(tmp_path, files, "NAM001", name="r.urdf")
+        assert finding.severity is severity
+
+    @pytest.mark.parametrize(
         ("namespace", "name", "typed"),
         [("", "${ns}/base", "${ns}/base"), ("", "/base${ns}", ""), ("/r", "${ns}/base", ""), ("/", "${ns}base", "")],
     )

@@ -9,6 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.use.gazebo_starts import is_only_made_into_sdf
 from urdfcheck.source.model_file import EXPRESSION
 
 # The names of prims in USD.
@@ -52,6 +53,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         wrong = [part for part in named if is_wrong(part.name, isinstance(part, Link))]
         if message == "space" and not any(isinstance(part, Link) or part.is_movable for part in wrong):
             severity = Severity.INFO  # no program commands a fixed joint by its name
+        if message == "leading_slash" and wrong and is_only_made_into_sdf(model):
+            severity = Severity.INFO  # no program publishes the frames
         behind = {id(part) for part in wrong if message == "leading_slash" and _find_typed_slash(part) is not None}
         plain = [part for part in wrong if id(part) not in behind]
         yield from _build_findings(rule, message, severity=severity, parts=plain)

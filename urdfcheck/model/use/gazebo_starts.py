@@ -32,6 +32,9 @@ _SPAWNS_DESCRIPTION = re.compile(r"(?<![\w-])-(?:topic|param|string|urdf)\b")
 _WORLD_MODEL = re.compile(r"<uri>\s*model://(?!sun\b|ground_plane\b)")
 # Programs and services that put a robot into a world of Gazebo that runs.
 _SPAWNER = re.compile(r"spawn|SpawnEntity|EntityFactory|/create\b|[\"']create[\"']")
+# How scripts make an SDF of a model, and what publishes the frames of a robot.
+_CONVERTS = re.compile(r"\b(?:gz|ign)\s+sdf\b|\bgzsdf\b")
+_FRAMES = re.compile(r"robot_description|state_publisher|rviz|moveit", re.IGNORECASE)
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 
@@ -50,6 +53,14 @@ def names_mimic_engine(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, names an engine of the new Gazebo that couples
     joints by ``<mimic>``."""
     return any(map(_MIMIC_ENGINE.search, list_project_texts(model)))
+
+
+def is_only_made_into_sdf(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, makes an SDF of the model's own file, and none
+    that names the file publishes its frames: then they are names in Gazebo alone."""
+    own = compile_names((model.source.path.name,))
+    naming = [text for text in list_project_texts(model) if own.search(text)]
+    return any(map(_CONVERTS.search, naming)) and not any(map(_FRAMES.search, naming))
 
 
 @fact
