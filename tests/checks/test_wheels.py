@@ -5,6 +5,7 @@ The robots are computed from a few numbers, so that the same one can be written 
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -460,6 +461,56 @@ def test_moments_in_the_wrong_places_are_exchanged(tmp_path: Path) -> None:
     assert finding.message_id == "inertia"
     assert finding.location.subject == "link[front_left_wheel]/inertial"
     assert edits(finding) == [("0.0005", "0.00026"), ("0.00026", "0.0005")]
+
+
+TURNED = f"""<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:macro name="solid" params="rpy"><inertial><origin rpy="${{rpy}}"/><mass value="1"/>
+    <inertia ixx="0.0026" iyy="0.0026" izz="0.005" ixy="0" ixz="0" iyz="0"/></inertial></xacro:macro>
+  <xacro:macro name="wheel" params="name y">
+    <link name="${{name}}_wheel">
+      <xacro:solid rpy="RPY"/>
+      <collision><origin rpy="COLLISION"/><geometry><cylinder radius="0.1" length="0.02"/></geometry></collision>
+    </link>
+    <joint name="${{name}}_wheel" type="continuous">
+      <origin xyz="0 ${{y}} 0" rpy="{math.pi / 2} 0 0"/><parent link="base"/><child link="${{name}}_wheel"/><axis xyz="AXIS"/>
+    </joint>
+  </xacro:macro>
+  <link name="base"><xacro:solid rpy="0 0 0"/></link>
+  <xacro:wheel name="left" y="0.2"/>
+  <xacro:wheel name="right" y="-0.2"/>
+</robot>"""
+
+
+@pytest.mark.parametrize(
+    ("rpy", "collision", "axis", "message", "repair"),
+    [
+        ("${pi/2} 0 0", "0 0 0", "0 0 ${1 if y > 0 else -1}", "turned", 'write `rpy="0 0 0"` in the `<origin>`'),
+        ("1.570796 0 0", "0 0 0", "0 0 1", "turned", 'write `rpy="0 0 0"` in the `<origin>`'),
+        ("0 0 0", "1.570796 0 0", "0 1 0", "inertia", "rotate the `<origin>` of the inertial so that"),
+        (
+            "0.785398 0 0",
+            "1.570796 0 0",
+            "0 1 0",
+            "inertia",
+            "rotate the `<origin>` of the inertial so that",
+        ),
+    ],
+)
+def test_the_repair_of_moments_is_where_they_are_turned(
+    tmp_path: Path, rpy: str, collision: str, axis: str, message: str, repair: str
+) -> None:
+    text = TURNED.replace("RPY", rpy).replace("COLLISION", collision).replace("AXIS", axis)
+    (finding,) = find(tmp_path, text, "JNT015", name="r.xacro")
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    if message == "turned":
+        assert finding.location.span is not None
+        assert finding.location.span.line == 6
+        assert edits(finding) == ([] if "$" in rpy else [(rpy, "0 0 0")])
+    else:
+        assert finding.fix.title.endswith("also makes those of base")
+        assert not finding.fix.edits
 
 
 def test_what_is_drawn_is_turned_where_the_rest_agrees_with_the_joint(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from urdfcheck.core import Edit, FactUnavailableError, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import format_point
+from urdfcheck.core.text import format_point, join_names
 from urdfcheck.facts.inertials.hull_bounds import compute_spread_ratios, measure_extent
 from urdfcheck.facts.inertials.inertia_tensor import check_inertia_validity, compute_mass_covariance
 from urdfcheck.facts.likeness.revolution import RoundOutline, find_revolution_axis, measure_line_angle, measure_outline
@@ -24,6 +24,8 @@ from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
 from urdfcheck.model.use.gazebo_starts import is_steered_in_sdf
 from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
+from urdfcheck.source.text.handed_values import find_handed_text
+from urdfcheck.source.text.xml import Attribute
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -242,16 +244,23 @@ def _build_witness_finding(
 ) -> Finding:
     """Report evidence that contradicts the joint's axis and the ``others``, if there are any."""
     inertial = None if witness.shape is not None else wheel.link.inertial
+    rpy = _find_turning_rpy(inertial, wheel, witness, others) if inertial is not None else None
     # A tensor that only its axis makes too large for the wheel is one defect.
     is_cause = inertial is not None and bool(others) and _fits_when_turned(model, wheel, witness.axis)
     solid = _compare_solids(inertial, wheel, witness, others) if inertial is not None else {}
     is_swapped = inertial is not None and bool(others) and not solid
+    sharing = [] if rpy is not None or not is_swapped else _list_sharing_links(model, wheel)
     return rule.finding(
-        "drawn" if inertial is None else "solid" if solid else "inertia" if others else "unsure",
-        at=witness.location,
+        "drawn" if inertial is None else "turned" if rpy else "solid" if solid else "inertia" if others else "unsure",
+        at=_locate_handed(rpy, model) if rpy is not None else witness.location,
         severity=Severity.INFO if inertial is not None and _is_negligible(inertial) else None,
         related=[wheel.joint.axis_location],
-        edits=_swap_moments(inertial, witness.axis, wheel.axis) if inertial is not None and is_swapped else (),
+        edits=edit_numbers(rpy, "0 0 0")
+        if rpy is not None
+        else _swap_moments(inertial, witness.axis, wheel.axis)
+        if inertial is not None and is_swapped and not sharing
+        else (),
+        repair=_describe_swap(wheel, sharing),
         kind=witness.kind,
         others=" and ".join(others) + (" is" if len(others) == 1 else " are"),
         angle=math.degrees(measure_line_angle(witness.axis, wheel.axis)),
@@ -261,6 +270,60 @@ def _build_witness_finding(
         **solid,
         **wheel.names,
     )
+
+
+def _find_turning_rpy(
+    inertial: Inertial, wheel: _SuspectWheel, witness: _AxisEvidence, others: Sequence[str]
+) -> Attribute | None:
+    """Return the rotation of an inertial that turns its tensor away from the wheel's axis, which the ``others`` show.
+
+    Not one that a shape of the wheel has too: then the axes are those of the part, and the moments are in the wrong places.
+    """
+    rpy, pose = inertial.origin.get_attribute("rpy"), inertial.origin.matrix
+    if rpy is None or pose is None or not others:
+        return None
+    shapes = (shape.origin.matrix for shape in (*wheel.link.visuals, *wheel.link.collisions))
+    if any(own is not None and np.allclose(own[:3, :3], pose[:3, :3], atol=LEVEL) for own in shapes):
+        return None
+    is_right = measure_line_angle(pose[:3, :3].T @ witness.axis, wheel.axis) < LEVEL
+    return rpy if is_right and measure_line_angle(witness.axis, wheel.axis) >= LEVEL else None
+
+
+def _locate_handed(attribute: Attribute, model: Model) -> Location:
+    """Locate what an attribute is given: in the call of a macro that hands it on."""
+    handed, own = find_handed_text(attribute, model.source.files), attribute.location
+    if handed is None or own.span is None:
+        return own
+    return Location(own.subject, handed.span, tuple(step for step in (*own.via, own.span) if step != handed.span))
+
+
+def _list_sharing_links(model: Model, wheel: _SuspectWheel) -> list[str]:
+    """List the other links whose moments the same text makes, and of which they are not those of a wheel on this joint's axis."""
+    element = None if wheel.link.inertial is None else wheel.link.inertial.tensor_element
+    if element is None or element.span is None:
+        return []
+    axes = {joint.child: np.array(joint.axis or (1.0, 0.0, 0.0)) for joint in model.joints if _is_named_wheel(joint)}
+    turned = {name for name, axis in axes.items() if axis.any() and measure_line_angle(axis, wheel.axis) < LEVEL}
+    return [
+        link.name
+        for link in model.links
+        if link is not wheel.link
+        and link.name not in turned
+        and link.inertial is not None
+        and link.inertial.tensor_element is not None
+        and link.inertial.tensor_element.span == element.span
+    ]
+
+
+def _describe_swap(wheel: _SuspectWheel, sharing: Sequence[str]) -> str:
+    """Say how the moments get about the wheel's axis: other links may share the text that makes them."""
+    turn, axis = "rotate the `<origin>` of the inertial", _format_axis(wheel.axis)
+    if sharing:
+        return (
+            f"{turn} so that the distinct moment is about {axis}; "
+            f"the text with its moments also makes those of {join_names(sharing, 3)}"
+        )
+    return f"swap the moments of {wheel.joint.child} so that the distinct one is about {axis}, or {turn}"
 
 
 def _compare_solids(
