@@ -244,7 +244,7 @@ def _build_witness_finding(
 ) -> Finding:
     """Report evidence that contradicts the joint's axis and the ``others``, if there are any."""
     inertial = None if witness.shape is not None else wheel.link.inertial
-    rpy = _find_turning_rpy(inertial, wheel, witness, others) if inertial is not None else None
+    rpy = _find_turning_rpy(model, inertial, wheel, witness, others) if inertial is not None else None
     # A tensor that only its axis makes too large for the wheel is one defect.
     is_cause = inertial is not None and bool(others) and _fits_when_turned(model, wheel, witness.axis)
     solid = _compare_solids(inertial, wheel, witness, others) if inertial is not None else {}
@@ -273,7 +273,7 @@ def _build_witness_finding(
 
 
 def _find_turning_rpy(
-    inertial: Inertial, wheel: _SuspectWheel, witness: _AxisEvidence, others: Sequence[str]
+    model: Model, inertial: Inertial, wheel: _SuspectWheel, witness: _AxisEvidence, others: Sequence[str]
 ) -> Attribute | None:
     """Return the rotation of an inertial that turns its tensor away from the wheel's axis, which the ``others`` show.
 
@@ -286,7 +286,22 @@ def _find_turning_rpy(
     if any(own is not None and np.allclose(own[:3, :3], pose[:3, :3], atol=LEVEL) for own in shapes):
         return None
     is_right = measure_line_angle(pose[:3, :3].T @ witness.axis, wheel.axis) < LEVEL
-    return rpy if is_right and measure_line_angle(witness.axis, wheel.axis) >= LEVEL else None
+    is_cause = is_right and measure_line_angle(witness.axis, wheel.axis) >= LEVEL
+    return rpy if is_cause and not _suits_other_wheel(model, wheel, pose[:3, :3]) else None
+
+
+def _suits_other_wheel(model: Model, wheel: _SuspectWheel, rotation: Array) -> bool:
+    """Whether another wheel has this ``rotation`` of its inertial (3, 3), and the axis of its joint with it."""
+    for joint in model.joints:
+        other = model.link_by_name.get(joint.child)
+        inertial = None if other is None or joint is wheel.joint else other.inertial
+        pose = None if inertial is None else inertial.origin.matrix
+        if inertial is None or pose is None or not joint.is_movable or not any(joint.axis or ()):
+            continue
+        own = _find_inertia_axis(inertial) if np.allclose(pose[:3, :3], rotation, atol=LEVEL) else None
+        if own is not None and measure_line_angle(own.axis, np.array(joint.axis)) < LEVEL:
+            return True
+    return False
 
 
 def _locate_handed(attribute: Attribute, model: Model) -> Location:
