@@ -341,6 +341,22 @@ def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(
     assert (finding.message_id, finding.severity) == (message, severity)
 
 
+@pytest.mark.parametrize("code", ["INR003", "INR004"])
+@pytest.mark.parametrize("mass", ["0.1", "0.0005"])
+@pytest.mark.parametrize("flag", ["preserveFixedJoint", "disableFixedJointLumping"])
+def test_gazebo_checks_a_link_alone_whose_fixed_joint_it_keeps(tmp_path: Path, code: str, mass: str, flag: str) -> None:
+    wrong = (
+        impossible(mass, "1e-5", "1e-4") if code == "INR003" else inertial(mass, ixx="-1e-5", iyy="1e-5", izz="1e-5")
+    )
+    bracket = fixed("cover", wrong)
+    name = re.findall('<joint name="([^"]*)"', bracket)[0]
+    for kept, effect in ((name, "refuses the model"), ("other", "loads it")):
+        block = f'<gazebo reference="{kept}"><{flag}>true</{flag}></gazebo>'
+        (finding,) = find(tmp_path / kept, make_arm(SOUND, more=bracket + block), code)
+        assert finding.consequences["gazebo"].startswith(effect)
+        assert finding.severity >= (Severity.ERROR if kept == name else Severity.WARNING)
+
+
 def test_a_light_link_with_six_equal_numbers_is_explained(tmp_path: Path) -> None:
     six = " ".join(f'{name}="1e-6"' for name in ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"))
     frame = f'<inertial><mass value="1e-6"/><inertia {six}/></inertial>'

@@ -12,6 +12,7 @@ from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES
 from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.gazebo_bodies import predict_gazebo
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, is_world_link
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value
@@ -59,15 +60,16 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         whole = find_merged_body(model, declared.link)
         is_fused = whole is not None and whole.is_physically_valid(rel_tol)
         typed = measure_tensor_rounding(declared.texts, rel_tol)
+        gazebo = predict_gazebo(model, declared.link, whole, rel_tol)
         data = _collect_data(declared, excess, typed)
         ignored = _predict_world(model, declared)
         if excess < rounding and typed.explained_by_rounding:
             if has_mistake(model, declared.link, "own_missing"):
                 continue  # more digits would not make the tensor right: INR009 reports it
-            yield _build_rounded_finding(model, rule, declared, is_fused=is_fused, data=data)
+            yield _build_rounded_finding(model, rule, declared, gazebo=gazebo, data=data)
             continue
         if whole is not None and is_fused:
-            if whole.link_is_negligible:
+            if whole.link_is_negligible and gazebo == GAZEBO_MERGES:
                 if declared.moments[0] >= -rel_tol * declared.moments[2]:  # else INR004
                     helpers.append(declared)
                 continue
@@ -82,6 +84,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             yield rule.finding(
                 message,
                 at=declared.element,
+                consequences={"gazebo": gazebo},
                 found="",
                 remedy=f"{formula}, or ",
                 claim="inertia breaks the triangle inequality",
@@ -96,7 +99,7 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
             message,
             at=declared.element,
             severity=Severity.WARNING if ignored else None,
-            consequences=ignored,
+            consequences={"gazebo": gazebo} | ignored,
             cause=repair.cause,
             edits=repair.edits,
             found=repair.message,
@@ -134,7 +137,7 @@ def _predict_world(model: Model, declared: DeclaredTensor) -> dict[str, str]:
 
 
 def _build_rounded_finding(
-    model: Model, rule: Rule, declared: DeclaredTensor, *, is_fused: bool, data: dict[str, Any]
+    model: Model, rule: Rule, declared: DeclaredTensor, *, gazebo: str, data: dict[str, Any]
 ) -> Finding:
     """Report a tensor that rounding explains, with the repair of a mistake but not with the drawn part's numbers.
 
@@ -144,7 +147,7 @@ def _build_rounded_finding(
     from urdfcheck.model.inertials.proposals.tensor_sizes import find_thicker_part
 
     repair = propose_repair(model, declared.link)
-    consequences = {"gazebo": GAZEBO_MERGES} if is_fused else {}
+    consequences = {"gazebo": gazebo}
     if repair.oversize:
         return rule.finding(
             "oversized",

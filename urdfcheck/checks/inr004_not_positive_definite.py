@@ -13,6 +13,7 @@ from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES, MUJOCO_REFUSA
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.facts.small_matrices import compute_excess, compute_moments, make_tensor
 from urdfcheck.model import DeclaredTensor, Model
+from urdfcheck.model.inertials.gazebo_bodies import predict_gazebo
 from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, list_whole_bodies, weigh_body
@@ -25,7 +26,6 @@ if TYPE_CHECKING:
 
 DIAGONAL = (0, 3, 5)
 PRODUCTS = {1: (0, 3), 2: (0, 5), 4: (3, 5)}
-REFUSED = "refuses the model: the link has an invalid inertia (sdformat error 18)"
 NAN = "computes NaN accelerations: the point is on the joint's axis (Drake stops with an error)"
 # Bars of so many masses do not have one tensor.
 _FEWEST_MASSES = 3
@@ -55,10 +55,8 @@ class _IndefiniteTensor:
     rounding: TensorRounding
     fused: str
     """The end of the message if the links that are fixed together have a possible tensor, else empty."""
-
-    @property
-    def gazebo(self) -> str:
-        return GAZEBO_MERGES if self.fused else REFUSED
+    gazebo: str
+    """What Gazebo does with the link."""
 
 
 def _is_point_about_origin(declared: DeclaredTensor) -> bool:
@@ -90,10 +88,11 @@ def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Itera
                 largest=largest,
                 rounding=_measure_rounding(declared, rel_tol),
                 fused=FUSED.format(whole.heaviest) if whole is not None and possible else "",
+                gazebo=predict_gazebo(model, declared.link, whole, rel_tol),
             )
             if smallest > -rounding * largest and wrong.rounding.explained_by_rounding:
                 yield _build_rounded_finding(rule, wrong)
-            elif whole is not None and possible and whole.link_is_negligible:
+            elif whole is not None and possible and whole.link_is_negligible and wrong.gazebo == GAZEBO_MERGES:
                 helpers.append(declared)
             else:
                 yield _build_indefinite_finding(model, rule, wrong)

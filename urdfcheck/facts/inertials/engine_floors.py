@@ -13,6 +13,8 @@ MUJOCO_LEAST_MOMENT = 1e-14
 MUJOCO_REFUSAL = "refuses to compile: inertia must have positive eigenvalues"
 # What sdformat does with an impossible tensor of a link that fixed joints make part of a possible body.
 GAZEBO_MERGES = "loads it (it merges links joined by fixed joints and checks the sum)"
+# What it does with one of a link that is a body by itself.
+GAZEBO_REFUSES = "refuses the model: the link has an invalid inertia (sdformat error 18)"
 
 
 def is_refused_by_mujoco(components: Sequence[float]) -> bool:
