@@ -12,8 +12,8 @@ from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.nodes_python import read_python_actions
 from urdfcheck.source.launch.nodes_xml import LaunchAction, LaunchContents, read_launch_actions
 from urdfcheck.source.package.finder import Package, PackageFinder
-from urdfcheck.source.package.gazebo_paths import RESOURCE_PATH
 from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.ros.gazebo_paths import RESOURCE_PATH
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.xml import Attribute
 

@@ -12,7 +12,7 @@ from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES
 from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.gazebo_bodies import predict_gazebo
+from urdfcheck.model.fixed_joint_lumping import predict_gazebo
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, is_world_link
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value

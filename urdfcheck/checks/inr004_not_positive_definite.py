@@ -13,7 +13,7 @@ from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES, MUJOCO_REFUSA
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass
 from urdfcheck.facts.small_matrices import compute_excess, compute_moments, make_tensor
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.gazebo_bodies import predict_gazebo
+from urdfcheck.model.fixed_joint_lumping import predict_gazebo
 from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, list_whole_bodies, weigh_body

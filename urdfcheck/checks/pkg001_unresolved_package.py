@@ -14,7 +14,6 @@ from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, format_path
-from urdfcheck.source.package.gazebo_paths import GazeboFolder, find_gazebo_folder
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
@@ -33,6 +32,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
+from urdfcheck.source.ros.gazebo_paths import GazeboFolder, find_gazebo_folder
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Element, flatten_definitions
