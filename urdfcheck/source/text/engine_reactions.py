@@ -141,8 +141,8 @@ def describe_unread_visuals(parts: Iterable[Element]) -> dict[str, str]:
 
 def name_lost_shapes(parts: Iterable[Element]) -> str:
     """Say what a simulator lacks without the meshes of shapes that are drawn, that collide, or both."""
-    collide = set(map(is_collision_part, parts))
-    return "no visual, no contact" if len(collide) > 1 else "no contact" if True in collide else "no visual"
+    roles = {True: "no contact", False: "no visual"}
+    return ", ".join(roles[collides] for collides in sorted(set(map(is_collision_part, parts))))
 
 
 def _keeps_visuals(element: Element) -> bool:
