@@ -342,7 +342,11 @@ def test_a_zero_velocity_counts_although_no_joint_has_an_effort(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("effort", "alone", "beside"),
     [
-        (0, " but an effort", ': taken literally, no motion is allowed; 1 other joint has velocity="0" and effort="0" (k)'),
+        (
+            0,
+            " but an effort",
+            ': taken literally, no motion is allowed; 1 other joint has velocity="0" and effort="0" (k)',
+        ),
         (4, "", "ed"),
     ],
 )

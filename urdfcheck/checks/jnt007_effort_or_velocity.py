@@ -247,7 +247,7 @@ def _describe_joints_beside(slow: Sequence[Joint], both: Sequence[Joint]) -> dic
     counted = format_count(len(others), "other joint has", "other joints have")
     return {
         "alone": "" if any(joint in both for joint in slow) else " but an effort",
-        "beside": f'; {counted} effort="0" too ({join_names((joint.name for joint in others), 4)})',
+        "beside": f'; {counted} velocity="0" and effort="0" ({join_names((joint.name for joint in others), 4)})',
     }
 
 
