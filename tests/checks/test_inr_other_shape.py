@@ -95,3 +95,22 @@ def test_the_tensor_of_a_hull_about_another_point_is_not_proposed(tmp_path: Path
     (finding,) = find(tmp_path, arm_on_base(format_inertial(vast), visual(mesh("part.stl"))), {"INR005"})
     assert finding.fix is not None
     assert ("convex hull of the open mesh" in finding.fix.title) == written
+
+
+@pytest.mark.parametrize("is_open", [True, False])
+def test_the_hull_of_an_open_mesh_is_named_where_its_com_is_given(tmp_path: Path, is_open: bool) -> None:
+    """A COM was left at zero: that of the hull is not that of the part, and moments beside it would be those of the hull."""
+    write_stl(tmp_path / "part.stl", CASTING)
+    text = (tmp_path / "part.stl").read_text(encoding="ascii")
+    if is_open:
+        (tmp_path / "part.stl").write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+    drawn = geometry(CASTING)
+    solid = drawn.hull if is_open else drawn.solid
+    assert solid is not None
+    numbers = replace(uniform(solid, 0.6), com=np.zeros(3), tensor=1.5 * uniform(solid, 0.6).tensor)
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), {"INR009"})
+    assert finding.message_id == "com_missing"
+    assert ("compared with the convex hull of the open mesh" in finding.message.lower()) == is_open
+    assert ("moments" in finding.message) != is_open
+    assert finding.fix is not None
+    assert not (is_open and "the drawn part alone has" in finding.fix.title)

@@ -21,6 +21,8 @@ from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inert
 from urdfcheck.model.inertials.inertial_effects import APPROXIMATIONS, SIMILAR, measure_difference
 from urdfcheck.model.inertials.proposals.mistake_names import describe_mistake, name_mistake
 from urdfcheck.model.shapes.visual_solid import (
+    DRAWN_PART,
+    OPEN_HULL,
     describe_geometry_source,
     measure_link_geometry,
 )
@@ -57,6 +59,9 @@ _ROTATED = 1.5
 # A tensor that stays farther off than this share of its distance shows the mistake by its signs or axes, not by that number
 # (chosen).
 _BETTER = 0.8
+# What a link is compared with, in the few words of a headline.
+_SHORT_SOURCES = {DRAWN_PART: "the drawn one", OPEN_HULL: "the hull of its mesh"}
+_OWNERS = {DRAWN_PART: DRAWN_PART, OPEN_HULL: "its hull"}
 # Causes that make a tensor too large or too small as a whole.
 SIZE_CAUSES = frozenset(
     {
@@ -154,7 +159,7 @@ def describe_other_shape(model: Model, link: Link, judged: DiagnosedInertial) ->
     drawn, declared, source = measure_link_geometry(model, link), judged.declared, describe_geometry_source(model, link)
     if drawn is None:
         return f"inertia does not fit {source}"
-    which = "the drawn one" if source == "the drawn part" else "its collision shape"
+    which = _SHORT_SOURCES.get(source, "its collision shape")
     moments, uniform = (
         np.linalg.eigvalsh(t) for t in (declared.inertia, compute_solid_inertia(drawn.solid, declared.mass))
     )
@@ -215,7 +220,7 @@ def collect_message_data(
         size = compare_sizes(*_pair_moments(declared, drawn), "{inertia} {factor}× too {size}", digits=2)
         apart = format_length(float(np.linalg.norm(declared.com - drawn.solid.com)))
     cause = diagnosis.cause or ""
-    if cause == "com_missing" and apart and source != "the drawn part":
+    if cause == "com_missing" and apart and source != DRAWN_PART:
         measured = f"the COM is {apart} off"  # a shape that stands for the part is no measure of its tensor
     is_com_alone = cause == "unmirrored" and leaves_tensor(judged, drawn)
     faulty = "COM" if is_com_alone else name_faulty_numbers(cause, diagnosis.detail)
@@ -228,7 +233,7 @@ def collect_message_data(
         "fault": _describe_fault(cause, size=size, apart=apart) or doubted,
         "fault_short": doubted,  # the cause says more than how far off the numbers are
         "source": source,
-        "off": f", {apart} from {'the drawn part' if source == 'the drawn part' else 'the shape'}'s" if apart else "",
+        "off": f", {apart} from {_OWNERS.get(source, 'the shape')}'s" if apart else "",
         "apart": apart,
         "twins": join_names(judged.twins),
         "mass": f"{declared.mass:g}",

@@ -23,6 +23,8 @@ from urdfcheck.model.shapes.solids import measure_shape_solid
 _NEARER = 0.5
 # A convex hull that is so many times as large as what its mesh encloses has little to do with the part.
 _LOOSE = 10.0
+# What a link is compared with.
+DRAWN_PART, OPEN_HULL = "the drawn part", "the convex hull of the open mesh"
 # More bodies than this in an assembly, and nobody added up their inertias.
 _MOST_PIECES = 40
 # Triangles that enclose less than this part of a mesh's volume are a sheet.
@@ -68,8 +70,11 @@ def _draws_dummies(link: Link) -> bool:
 
 
 def describe_geometry_source(model: Model, link: Link) -> str:
-    """Name what `measure_link_geometry` measures, for a message about the link."""
-    return "the drawn part" if explain_collision_stand_in(model, link) is None else "the collision shape"
+    """Name what `measure_link_geometry` measures, for a message about the link: numbers of a hull are not those of its part."""
+    if explain_collision_stand_in(model, link) is not None:
+        return "the collision shape"
+    drawn = measure_link_geometry(model, link)
+    return DRAWN_PART if drawn is None or drawn.closed else OPEN_HULL
 
 
 def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry | None:

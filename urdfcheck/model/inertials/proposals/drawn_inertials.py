@@ -22,6 +22,8 @@ from urdfcheck.model.parts import DeclaredTensor, Link
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import (
+    DRAWN_PART,
+    OPEN_HULL,
     explain_collision_stand_in,
     has_loose_hull,
     measure_link_geometry,
@@ -62,7 +64,7 @@ def describe_drawn_inertial(model: Model, link: Link, *, with_com: bool = False)
         return ""
     if with_com and (not drawn.closed or _is_replaced_by_collision(model, link)):
         return ""
-    body, why = "the drawn part" if drawn.closed else "the convex hull of the open mesh", ""
+    body, why = DRAWN_PART if drawn.closed else OPEN_HULL, ""
     if drawn.closed and (reason := explain_collision_stand_in(model, link)) is not None:
         body = "the collision shape"
         why = _WHY_NOT_DRAWN.get(reason, "")
