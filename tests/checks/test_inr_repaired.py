@@ -92,9 +92,10 @@ def test_one_side_is_edited_if_it_is_known_what_is_wrong_with_the_other(
     assert count_edits(finding) == edits
 
 
-@pytest.mark.parametrize(("sign", "advised"), [(1.0, False), (-1.0, True), (0.0, False)])
+@pytest.mark.parametrize(("sign", "advised"), [(1.0, False), (-1.0, True), (0.0, False), (5.0, False)])
 def test_products_that_fit_keep_their_signs(tmp_path: Path, sign: float, advised: bool) -> None:
-    """The COM is on the wrong side in x; the products with x are those of the drawn part, the opposite, or zero."""
+    """The COM is on the wrong side in x; the products with x are those of the drawn part, the opposite, zero, or those of a part
+    that is not uniform."""
     blocks = [(size, np.add(place, (0.2, 0.0, 0.0))) for size, place in CASTING]
     true = uniform(geometry(blocks).solid)
     signs = np.ones((3, 3))
@@ -103,7 +104,23 @@ def test_products_that_fit_keep_their_signs(tmp_path: Path, sign: float, advised
     (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), drawn_boxes(blocks)), "INR006")
     assert finding.message_id == "sign"
     assert finding.fix is not None
-    assert ("check the products of inertia" in finding.fix.title) == advised
+    assert ("flip the signs of ixy and ixz" in finding.fix.title) == advised
+
+
+def test_the_products_of_a_hull_do_not_show_signs(tmp_path: Path) -> None:
+    """The mesh lacks a facet, so that the products of the part are not known."""
+    blocks = [(size, np.add(place, (0.2, 0.0, 0.0))) for size, place in CASTING]
+    write_stl(tmp_path / "part.stl", blocks)
+    text = (tmp_path / "part.stl").read_text(encoding="ascii")
+    (tmp_path / "part.stl").write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+    true = uniform(geometry(blocks).solid)
+    numbers = replace(true, com=true.com * (-1.0, 1.0, 1.0))
+    numbers.tensor[0, 1:] *= -1.0
+    numbers.tensor[1:, 0] *= -1.0
+    (finding,) = find(tmp_path, arm_on_base(format_inertial(numbers), visual(mesh("part.stl"))), "INR006")
+    assert finding.message_id == "sign"
+    assert finding.fix is not None
+    assert "signs" not in finding.fix.title
 
 
 @pytest.mark.parametrize(("count", "named"), [(3, True), (2, False)])

@@ -24,6 +24,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     enclosed_inertials,
     is_stand_in,
 )
+from urdfcheck.model.inertials.proposals.drawn_inertials import draws_part
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call
 from urdfcheck.model.inertials.reach import is_beyond_reach
 from urdfcheck.model.inertials.shapes_at_com import describe_other_frame
@@ -42,6 +43,8 @@ _NEAR = 0.1
 # Products are those of the drawn part, signs included, if they differ by less than this share of their size; below the other
 # share of the largest moment they are none.
 _SAME_PRODUCTS, _NO_PRODUCTS = 0.5, 1e-6
+# The products of inertia whose signs change with that of a coordinate.
+_PRODUCTS = {"x": "ixy and ixz", "y": "ixy and iyz", "z": "ixz and iyz"}
 # A tensor that is so many times the drawn part's, or such a fraction of it, is that of another body, and so is its COM (chosen).
 _OTHER_BODY = 5.0
 
@@ -53,7 +56,7 @@ class _SignRepair:
     axis: str
     repair: InertialRepair
     advice: str
-    """What to do about the products of inertia; empty where these fit the drawn part as they are."""
+    """What to do about the products of inertia; empty unless the drawn part's are their negatives."""
 
 
 def check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
@@ -118,8 +121,9 @@ def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | Non
             repair = build_inertial_repair(part.inertial, wanted)
             # A tensor about other axes would still be one: the sign of the COM alone makes no sound part.
             is_enough = not measure_turn_of_tensor(wanted, drawn.solid)
-            fits = _has_drawn_products(wanted, compute_solid_inertia(drawn.solid, part.mass), i)
-            advice = "" if fits else ", and check the products of inertia, whose signs change with it"
+            uniform = compute_solid_inertia(drawn.solid, part.mass)
+            are_flipped = draws_part(model, part.link) and _has_flipped_products(wanted, uniform, i)
+            advice = f", and flip the signs of {_PRODUCTS[axis]}, which are wrong likewise" if are_flipped else ""
             where = describe_own_call(model, part.link, repair)  # the same text is right for other links
             edits = repair.edits if is_enough and not where else ()
             repairs.append(_SignRepair(axis, replace(repair, edits=edits, where=where), advice))
@@ -136,13 +140,14 @@ def _has_tensor_of_other_body(part: EnclosedInertial, solid: Solid) -> bool:
     return not 1.0 / _OTHER_BODY <= times <= _OTHER_BODY
 
 
-def _has_drawn_products(declared: DeclaredInertial, uniform: Mat3, axis: int) -> bool:
-    """Whether the products of inertia with an axis are those of the uniform part, or zero."""
+def _has_flipped_products(declared: DeclaredInertial, uniform: Mat3, axis: int) -> bool:
+    """Whether the products of inertia with an axis are those of the uniform part with their signs changed, and not as they are:
+    zero is right for both, and those of a part that is not uniform show nothing."""
     products, expected = (np.delete(tensor[axis], axis) for tensor in (declared.inertia, uniform))
     size = float(np.linalg.norm(products))
     if size <= _NO_PRODUCTS * float(np.abs(declared.inertia).max()):
-        return True
-    return float(np.linalg.norm(products - expected)) < _SAME_PRODUCTS * size
+        return False
+    return float(np.linalg.norm(products + expected)) < _SAME_PRODUCTS * size
 
 
 def _locate_drawing(part: EnclosedInertial) -> Located:
