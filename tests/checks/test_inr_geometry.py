@@ -471,6 +471,26 @@ def test_the_part_that_the_tensor_fits_is_the_original(tmp_path: Path) -> None:
     assert [r.subject for r in finding.related] == ["link[fork]/inertial/inertia"]
 
 
+def make_frame(name: str, edges: str, *places: str) -> str:
+    """A link that draws the same box at some places, with a tensor that others have."""
+    shapes = "".join(visual(box(edges), xyz=place) for place in places)
+    return link(name, inertial(0.5, ixx=0.0018, iyy=0.0019, izz=0.000025), shapes)
+
+
+def test_different_shapes_are_told_by_their_drawn_sizes(tmp_path: Path) -> None:
+    """Four legs far apart are spread like a solid box that is larger than what is drawn; a block is not."""
+    places = ("0.2 0.05 0", "0.2 -0.05 0", "-0.2 0.05 0", "-0.2 -0.05 0")
+    tall, low = make_frame("tall", "0.04 0.04 0.4", *places), make_frame("low", "0.04 0.04 0.1", *places)
+    (finding,) = find(tmp_path, make_chain(tall, low), "INR008")
+    assert "0.44 × 0.14 × 0.1 m" in finding.message
+    assert "0.44 × 0.14 × 0.4 m" in finding.message
+    block = make_frame("block", "0.44 0.14 0.4", "0 0 0")
+    (finding,) = find(tmp_path, make_chain(tall, block), "INR008")
+    assert "of a solid box of" in finding.message
+    assert "0.44 × 0.4 × 0.14 m" in finding.message
+    assert "measures" not in finding.message
+
+
 @pytest.mark.parametrize(
     ("mass", "com", "shared"),
     [

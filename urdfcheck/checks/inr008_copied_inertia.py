@@ -35,6 +35,8 @@ _DIGITS = 9
 _ROLES = ("visual", "collision")
 # A copied COM may have been rounded, or come from a later export of the part, by this part of its distance from the origin.
 _SAME_COM = 0.002
+# Two shapes are of one size if no side differs by more than this share of the longest one (chosen).
+_SAME_EXTENT = 0.1
 # A number of fewer digits may be twice there by chance.
 _TELLING_DIGITS = 4
 # A tensor is about other axes than the drawn part's, and a COM is not that of the part, beyond these shares (chosen).
@@ -56,6 +58,8 @@ class _InertiaSignature:
     """Of the drawn solid at uniform density."""
     hull: Array
     """Of its convex hull at uniform density."""
+    extent: Array
+    """What is drawn along the axes of the link, in m."""
     is_in_place: bool
     """Whether the axes of the tensor and the COM are about those of the drawn solid."""
 
@@ -136,8 +140,7 @@ def _compare_masses(rule: Rule, parts: Sequence[_InertiaSignature], shape: float
                 original=other.declared.link.name,
                 role=part.role,
                 mass=f"{part.declared.inertial.mass:g}",
-                size=_format_equivalent_box(part),
-                original_size=_format_equivalent_box(other),
+                difference=_describe_difference(part, other),
             )
             subjects = (part.declared.element.subject, other.declared.element.subject)
             yield replace(finding, subjects=subjects)
@@ -218,8 +221,7 @@ def _build_finding(
         repair=_describe_repair(shared, original, known=known),
         equal=_describe_equality([*wrong, original]),
         role=original.role,
-        size=_format_equivalent_box(worst),
-        original_size=_format_equivalent_box(original),
+        difference=_describe_difference(worst, original),
         count=len(wrong),
         vast=f". For the mass of {join_names(vast)} it is more than {VAST:,.0f} times too large" if vast else "",
         # INR009 would look for a mistake in numbers that are those of another part.
@@ -288,6 +290,7 @@ def _compute_signature(model: Model, declared: DeclaredTensor, *, is_tensor: boo
         inertia=_compute_log_eigenvalues(compute_mass_covariance(declared.tensor, mass)),
         solid=_compute_log_eigenvalues(drawn.solid.covariance),
         hull=_compute_log_eigenvalues(drawn.hull.covariance),
+        extent=np.ptp(drawn.points, axis=0),
         is_in_place=_is_in_place(declared, drawn.solid, mass),
     )
 
@@ -329,6 +332,13 @@ def _compare_moments(first: Array, second: Array) -> float:
     return float(np.exp(np.abs(np.log(moments[0] / moments[1])).max()))
 
 
-def _format_equivalent_box(part: _InertiaSignature) -> str:
-    """Return the size of the solid box with the same second moments as the drawn shape."""
-    return format_box_size(np.sqrt(12.0 * np.exp(part.solid))[::-1], digits=2)
+def _describe_difference(part: _InertiaSignature, other: _InertiaSignature) -> str:
+    """Describe how two shapes differ: by the sizes that they are drawn in, or, where these are about the same, by how far what is
+    drawn is spread. The solid box with the same second moments is larger than four legs far apart, and smaller than a ball."""
+    names = [one.declared.link.name for one in (part, other)]
+    longest = [np.sort(one.extent) for one in (part, other)]
+    if float(np.abs(longest[0] - longest[1]).max()) > _SAME_EXTENT * float(max(longest[0][-1], longest[1][-1])):
+        sizes = [format_box_size(one.extent, digits=2) for one in (part, other)]
+        return f"{names[0]} measures {sizes[0]} along x, y and z, {names[1]} {sizes[1]}"
+    boxes = [format_box_size(np.sqrt(12.0 * np.exp(one.solid))[::-1], digits=2) for one in (part, other)]
+    return f"{names[0]} has the second moments of a solid box of {boxes[0]}, {names[1]} those of one of {boxes[1]}"
