@@ -187,6 +187,26 @@ def test_a_collision_shape_or_a_hull_is_named_and_never_edited(tmp_path: Path) -
     assert "collision shape" not in motor.fix.title
 
 
+@pytest.mark.parametrize(("place", "is_written"), [("0.0002 0.0236 0.0015", False), ("0 0.0075 0", True)])
+@pytest.mark.parametrize(
+    ("code", "numbers"),
+    [
+        ("INR003", {"ixx": 1.486e-6, "iyy": 2e-7, "izz": 8.31e-7}),
+        ("INR004", {"ixx": 1.486e-6, "iyy": -2e-7, "izz": 8.31e-7}),
+    ],
+)
+def test_a_collision_shape_of_a_piece_moves_no_com(
+    tmp_path: Path, code: str, numbers: dict[str, float], place: str, is_written: bool
+) -> None:
+    """Nothing is drawn, and what collides is about another COM, or about this one."""
+    finger = inertial(0.0113, com="0 0.0073 0", **numbers)
+    finding = one(tmp_path, arm_on_base(finger, collision(box("0.012 0.017 0.014"), xyz=place)), {code})
+    assert finding.fix is not None
+    assert "xyz" not in finding.fix.title
+    assert ("for comparison: " in finding.fix.title) != is_written
+    assert ("write ixx=" in finding.fix.title) == is_written
+
+
 # -- numbers that slipped or were copied --------------------------------------------------------------------------------
 
 

@@ -79,15 +79,16 @@ def format_comparison(drawn: str) -> str:
 
 def describe_possible_inertial(model: Model, link: Link) -> str:
     """Describe the inertia of what the link draws, in place of one that no body has: with the COM where that was typed apart from
-    the drawn part's, if it is known."""
-    is_wrong = has_com_apart(model, link) and not has_com_of_twin(model, link)
+    the drawn part's, if it is known. A collision shape may be that of a piece of the part, whose COM is elsewhere."""
+    is_drawn = explain_collision_stand_in(model, link) is None
+    is_wrong = is_drawn and has_com_apart(model, link) and not has_com_of_twin(model, link)
     with_com = describe_drawn_inertial(model, link, with_com=True) if is_wrong else ""
     return with_com or describe_drawn_inertial(model, link)
 
 
 def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> InertialProposal:
-    """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where that is a hull, or a
-    collision shape in place of the part, or where both sides have one COM that is not the drawn part's."""
+    """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where it may not be that of
+    the part, or where both sides have one COM that is not the drawn part's."""
     drawn = describe_possible_inertial(model, link)
     is_of_body = not (has_com_apart(model, link) and has_com_of_twin(model, link))
     if drawn and is_of_body and draws_part(model, link):
@@ -96,9 +97,12 @@ def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> Inert
 
 
 def draws_part(model: Model, link: Link) -> bool:
-    """Whether what is measured of a link is a closed solid that it shows: not a hull, nor a collision shape in its place."""
+    """Whether what is measured of a link is a closed solid that it shows: not a hull, nor a collision shape in its place. Where
+    nothing else is drawn, a collision shape about another COM than the typed one may be that of a piece."""
     drawn = measure_link_geometry(model, link)
-    return drawn is not None and drawn.closed and not _is_replaced_by_collision(model, link)
+    if drawn is None or not drawn.closed or _is_replaced_by_collision(model, link):
+        return False
+    return explain_collision_stand_in(model, link) is None or not has_com_apart(model, link)
 
 
 def lacks_only_com(model: Model, link: Link) -> bool:
