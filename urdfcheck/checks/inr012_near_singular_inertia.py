@@ -20,6 +20,7 @@ REFUSED = "refuses to compile: mass and inertia of moving bodies must be larger 
 # What is left out where a tensor is converted once too often, as powers of ten, and the moments of a part with a motor in it, to
 # those of its uniform solid.
 _POWERS, _LIKE_TENSOR = (3, 6, 9), 2.0
+_LOADS = "loads it"
 _HELD = "loads it: the limits of its joint leave no room to move"
 _TOGETHER = (
     "compute mass and tensor together, in kg and kg·m²; a link that only marks a place needs neither on a fixed joint"
@@ -52,12 +53,13 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
             continue  # INR003, INR004
         elif math.sqrt(largest / total) < gyration:
             data |= {"radius": math.sqrt(largest / total) * 1e6, **_explain_point(model, body, heaviest.link)}
-            severity = None
+            severity, message = None, "point"
             if _is_held_mark(model, body):
                 severity, consequences = Severity.INFO, {**consequences, "gazebo": _HELD}
-            yield rule.finding("point", at=declared_tensor, severity=severity, consequences=consequences, **data)
+                message = "held" if consequences["mujoco"] == _LOADS else message
+            yield rule.finding(message, at=declared_tensor, severity=severity, consequences=consequences, **data)
         elif smallest < condition * largest:
-            consequences = {} if consequences["mujoco"] == "loads it" else consequences
+            consequences = {} if consequences["mujoco"] == _LOADS else consequences
             yield rule.finding(
                 "condition", at=declared_tensor, consequences=consequences, ratio=smallest / largest, **data
             )
@@ -120,4 +122,4 @@ def _predict_mujoco(model: Model, body: RigidLinkGroup, *, mass: float, smallest
         for name in body.links
     ):
         return MUJOCO_REFUSAL
-    return REFUSED if min(mass, smallest) < LEAST else "loads it"
+    return REFUSED if min(mass, smallest) < LEAST else _LOADS
