@@ -335,3 +335,28 @@ def test_a_calibrated_mount_mirrors_nothing(tmp_path: Path, name: str, kinds: li
                 joint(f"{side}_{part}_{name}", "base", limb, kind=kind, xyz=f"{x} {y} 0", rpy=turn, axis="0 0 1")
             )
     assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
+@pytest.mark.parametrize(
+    ("angles", "kind", "kinds"),
+    [
+        (("-0.0152290274 0.510627488 0.3", "0.0323779520 0.531011188 -0.3"), "fixed", []),
+        (("-0.0152290274 0.510627488 0.3", "0.0323779520 0.531011188 -0.3"), "continuous", ["axis"]),
+        (("-0.0152 0.5106 0.3", "0.0324 0.5310 -0.3"), "fixed", ["turned_pair"]),
+        (("-0.0152290274 0.510627488 0.3", "0.0152290274 0.531011188 -0.3"), "fixed", ["turned_pair"]),
+    ],
+)
+def test_extrinsics_of_many_digits_were_measured(
+    tmp_path: Path, angles: tuple[str, str], kind: str, kinds: list[str]
+) -> None:
+    """Two angles of each camera are its own; not where joints move, where few digits were typed, or where one angle differs."""
+    parts = [link("base", visual(box("0.4 0.2 0.1")))]
+    for side, y, turn in (("left", 0.2, angles[0]), ("right", -0.2, angles[1])):
+        for part, x in (("camera", 0.1), ("leg", -0.1), ("ear", 0.2)):
+            limb, sign = f"{side}_{part}", math.copysign(1.0, y)
+            rpy, moves = (turn, kind) if part == "camera" else ("0 0 0", "continuous")
+            parts.append(link(limb, visual(box("0.1 0.04 0.02"), xyz=f"0.03 {0.01 * sign} 0.02")))
+            parts.append(
+                joint(f"{side}_{part}_joint", "base", limb, kind=moves, xyz=f"{x} {y} 0", rpy=rpy, axis="0 1 0")
+            )
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds

@@ -25,6 +25,7 @@ from urdfcheck.model.likeness.origin_slips import (
 from urdfcheck.model.likeness.sides.lone_attributes import LoneAttribute, iter_lone_attributes
 from urdfcheck.model.likeness.sides.lone_coordinates import iter_lone_coordinates
 from urdfcheck.model.likeness.sides.lone_turns import LoneTurn, iter_lone_turns
+from urdfcheck.model.likeness.sides.measured_joints import are_measured
 from urdfcheck.model.likeness.sides.opposed_axes import OpposedAxes, iter_opposed_axes
 from urdfcheck.model.likeness.sides.settled_places import is_drawn_nearer, is_settled
 from urdfcheck.model.likeness.sides.two_pairs import may_be_two_pairs
@@ -91,14 +92,9 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
     reported: set[str] = set()
     for mistake in _iter_all_mistakes(model, pairs):
         links = {joint.child for joint in mistake.joints}
-        if not links & reported and not any(map(_is_measured, mistake.joints)):
+        if not links & reported and not are_measured(mistake.joints):
             reported |= links
             yield mistake
-
-
-def _is_measured(joint: Joint) -> bool:
-    """Whether a fixed joint is named as a calibration: its numbers were measured on one robot, and mirror nothing."""
-    return joint.type == "fixed" and any(word.lower().startswith("calib") for word in split_name_words(joint.name))
 
 
 def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:

@@ -44,7 +44,7 @@ def find_nearest_rpy(rotation: Array, typed: Sequence[float] | None) -> list[flo
         kept = [float(angle) for angle in typed]
         kept[slot] = _snap_angle(matrix_to_rpy(left)[slot])
         off = measure_rotation_angle(rpy_to_matrix(kept), rotation)
-        misfit = (sum(not _is_round(angle) for angle in kept), off)
+        misfit = (sum(not is_round(angle) for angle in kept), off)
         if off < ANGLE_TOLERANCE and misfit < least:
             best, least = kept, misfit
     return best
@@ -60,15 +60,15 @@ def _keep_typed(true: float, rounded: float, typed: float) -> float:
 
 def _snap_angle(angle: float) -> float:
     """Round a predicted angle to a near multiple of 15°, else to 1e-6 rad."""
-    return round(angle / ROUND_STEP) * ROUND_STEP if _is_round(angle) else round(angle, 6)
+    return round(angle / ROUND_STEP) * ROUND_STEP if is_round(angle) else round(angle, 6)
 
 
 def has_round_angles(rpy: Sequence[float]) -> bool:
     """Whether all angles are near multiples of 15°."""
-    return all(map(_is_round, rpy))
+    return all(map(is_round, rpy))
 
 
-def _is_round(angle: float) -> bool:
+def is_round(angle: float) -> bool:
     """Whether an angle is near a multiple of 15°."""
     return abs(math.remainder(angle, ROUND_STEP)) < ANGLE_TOLERANCE
 
