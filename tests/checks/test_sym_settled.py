@@ -360,3 +360,37 @@ def test_extrinsics_of_many_digits_were_measured(
                 joint(f"{side}_{part}_joint", "base", limb, kind=moves, xyz=f"{x} {y} 0", rpy=rpy, axis="0 1 0")
             )
     assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
+@pytest.mark.parametrize(
+    ("mount", "own", "places", "kind", "found"),
+    [
+        # A stereo camera on its side has its lenses one above the other.
+        ("-1.5707963 0 0", "0 0 0", ("0 0.0375 0", "0 -0.0375 0"), "fixed", False),
+        ("-1.5707963 0 0", "0 0 0", ("0 0.0375 0", "0 -0.0375 0"), "continuous", False),
+        # One that looks to the left, in a frame of its own or of its lenses.
+        ("0 0 1.5707963", "0 0 0", ("0 0.0375 0.01", "0 -0.0375 0.01"), "fixed", False),
+        ("0 0 0", "0 0 1.5707963", ("0.0375 0 0.01", "-0.0375 0 0.01"), "fixed", False),
+        # Along another coordinate of a part that is rotated.
+        ("0 1.5707963 0", "0 0 0", ("0.1 0 0", "-0.1 0 0"), "fixed", False),
+        # The sign of the sides is in the wrong coordinate.
+        ("0 0 0", "0 0 0", ("0.1 0 0.01", "-0.1 0 0.01"), "fixed", True),
+        ("0 0 0", "0 0 0", ("0.1 0 0.01", "-0.1 0 0.01"), "continuous", True),
+    ],
+)
+def test_a_part_that_is_mounted_on_its_side_has_its_own_left(
+    tmp_path: Path, mount: str, own: str, places: tuple[str, str], kind: str, found: bool
+) -> None:
+    parts = [link("base", visual(box("0.4 0.2 0.1"))), link("head", visual(box("0.1 0.1 0.02")))]
+    parts.append(joint("neck", "base", "head", kind="fixed", xyz="0.1 0 0.2", rpy=mount))
+    for side, place, y in (("left", places[0], 0.2), ("right", places[1], -0.2)):
+        parts.append(link(f"{side}_eye", visual(box("0.02 0.02 0.02"))))
+        parts.append(joint(f"{side}_eye_joint", "head", f"{side}_eye", kind=kind, xyz=place, rpy=own, axis="1 0 0"))
+        for limb, x in (("arm", 0.1), ("leg", -0.1), ("ear", 0.2)):
+            parts.append(link(f"{side}_{limb}", visual(box("0.1 0.04 0.02"))))
+            parts.append(
+                joint(
+                    f"{side}_{limb}_joint", "base", f"{side}_{limb}", kind="continuous", xyz=f"{x} {y} 0", axis="0 1 0"
+                )
+            )
+    assert bool(find_places(tmp_path, *parts)) == found

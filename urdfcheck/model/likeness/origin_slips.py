@@ -99,6 +99,8 @@ def _find_slip(model: Model, pair: MirrorPair, known_pairs: Sequence[MirrorPair]
         may_be_turned = pair.drawn_as != "mirrored" and not is_next_mirrored
         if kind == "sign" and may_be_turned and _is_placed_by_turn(model, pair, joints):
             continue  # a part that is rotated by half a turn may be placed by half a turn as well
+        if kind == "sign" and _is_across_own_part(model, joints, index, images[index]):
+            continue  # a camera that is mounted on its side has its left and right lens one above the other
         if pair.is_in_place or are_children_mirrored(model, pair, known_pairs):
             continue  # one joint takes back what another one adds: the correction would displace all that follows
         if pair.uses_shift and measure_axis_offset(model, pair) <= PLACE:
@@ -189,6 +191,21 @@ def _is_placed_by_turn(model: Model, pair: MirrorPair, joints: tuple[Joint, Join
     arms = [model.frames[joint.parent][:3, :3] @ (joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
     is_turned = bool(np.abs(one - other).max() > _PARALLEL)
     return is_turned and bool(np.abs(other @ one.T @ arms[0] - arms[1]).max() < PLACE)
+
+
+def _is_across_own_part(model: Model, joints: tuple[Joint, Joint], index: int, image: Array) -> bool:
+    """Whether two joints on one link, both in the robot's middle plane, are mirror images of each other in a frame of their part
+    that is rotated in the robot: along y of their link or of what both carry, which is to the left by convention, or, of fixed
+    parts, along any coordinate of a link whose axes are not those of the robot. ``image`` (3,): of the other joint, where this
+    one (``index``) should be."""
+    places = [np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in joints]
+    if joints[0].parent != joints[1].parent or float(np.abs(places[1 - index] - image).max()) > PLACE:
+        return False
+    frames = [model.frames[name][:3, :3] for name in (joints[0].parent, joints[0].child, joints[1].child)]
+    between = frames[0] @ (places[0] - places[1])
+    left = [abs(float(frame[:, 1] @ between)) > (1 - _PARALLEL) * float(np.linalg.norm(between)) for frame in frames]
+    is_turned = bool(np.abs(frames[0] - model.frames[model.tree.root][:3, :3]).max() > _PARALLEL)
+    return left[0] or (left[1] and left[2]) or (is_turned and not joints[0].is_movable)
 
 
 def _compute_image(model: Model, pair: MirrorPair, joint: Joint, twin: Joint) -> Array:
