@@ -790,6 +790,32 @@ def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_p
     assert not [f for f in find_mirror_defects(tmp_path, robot) if f.code == "SYM004"]
 
 
+@pytest.mark.parametrize("factor", [0.8, 0.3])
+def test_one_part_in_frames_that_are_alike_has_one_com_whatever_it_weighs(tmp_path: Path, factor: float) -> None:
+    """A mirror would fit the drawing, too; the numbers are those of a copy, and only the masses differ."""
+    robot = copy.deepcopy(ROBOT)
+    for side, y in (("left", 0.05), ("right", -0.05)):
+        robot.append(make_box_link(f"{side}_tool", [((0.06, 0.04, 0.02), (0.0, 0.0, 0.0))]))
+        robot.append(
+            make_motor_joint(f"{side}_tool_joint", f"{side}_hand", f"{side}_tool", (0, y, -0.1), (0, 1, 0), (-1, 1))
+        )
+        robot = with_(robot, f"link[@name='{side}_tool']/inertial/origin", xyz="0.01 0.004 0.001")
+        robot = with_(robot, f"link[@name='{side}_tool']/inertial/inertia", ixy="-1e-6")
+    mass = robot.find("link[@name='right_tool']/inertial/mass")
+    assert mass is not None
+    robot = with_(
+        robot, "link[@name='right_tool']/inertial/mass", value=f"{factor * float(mass.get('value', '0')):.5g}"
+    )
+    (finding,) = (f for f in find_mirror_defects(tmp_path, robot) if f.code == "SYM004")
+    assert finding.location.subject == "link[right_tool]/inertial/mass@value"
+    assert "COM" not in finding.message
+    assert "ixy" not in finding.message
+    assert finding.message.endswith("The file does not show which mass is wrong")
+    assert finding.fix is not None
+    assert "write mass value=" in finding.fix.title
+    assert "write xyz" not in finding.fix.title
+
+
 def test_sides_that_are_drawn_differently_are_meant_to_differ(tmp_path: Path) -> None:
     pieces = [*PARTS["hand"][0], ((0.1, 0.1, 0.1), (0.0, 0.0, -0.15))]
     robot = copy.deepcopy(ROBOT)

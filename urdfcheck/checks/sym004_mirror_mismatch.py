@@ -95,6 +95,7 @@ _COMPUTE_BOTH_COMS = "compute both COMs from the parts: neither is near that of 
 # A COM that is off by less (m) may be that of a part that was turned, not mirrored, without making a difference (chosen).
 _SLIGHT_TURN = 1e-3
 _COMPARE_DRAWINGS = "compare both sides with the CAD model: a drawing or an inertial is wrong"
+_DOUBT = "whether an inertial or a drawing is wrong"
 _COMPUTE_BOTH_INERTIALS = "compute both inertials from the parts: neither is near that of what is drawn"
 # What is so where the masses and the COMs are the same, and where no joint moves one side without the other.
 _MASS_MATRIX = "the mass matrix differs between the two sides"
@@ -217,6 +218,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
             side.twin.name
         ),
         "lack": LACKS[pair.drawn_as or ""],
+        "doubt": "which mass is wrong" if _is_of_mass_alone(deviation, note) else _DOUBT,
         "differences": ", ".join(differences),
         "fitting": "inertial" if written is side else "COM",
         "what": " and ".join(word for word, share in parts if share > note),
@@ -283,7 +285,7 @@ def _describe_either_repair(
         return f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
     if why.cause == "half_turn":
         return _COMPARE_DRAWINGS
-    if why.cause not in _SIGN_CAUSES:
+    if why.cause not in _SIGN_CAUSES and not _is_of_mass_alone(both[1].deviation, note):
         if both[1].deviation.com_offset > note and all(_has_com_elsewhere(model, one.link) for one in both):
             return _COMPUTE_BOTH_COMS
         if all(_has_other_inertial(model, one.link) for one in both):
@@ -295,6 +297,11 @@ def _describe_either_repair(
     is_shared = _has_shared_text(both[1], list_inertial_changes(both[1], note))
     other_way = "the other way round" if is_shared else _describe_remedy(both[0], note)
     return f"if {one} is right, {_describe_remedy(both[1], note)}; if {other} is, {other_way}"
+
+
+def _is_of_mass_alone(deviation: InertialDeviation, note: float) -> bool:
+    """Whether nothing but the mass of a side differs."""
+    return max(deviation.com_offset, deviation.spread) <= note < deviation.mass
 
 
 def _list_explained(side: PairSide, severity: Severity, note: float) -> list[str]:

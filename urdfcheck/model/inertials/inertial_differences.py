@@ -41,13 +41,13 @@ def describe_differences(
             if name in signs:
                 yield f"{name} {one:.4g} instead of {other:.4g}"
         # One tensor for two masses: its second moments per mass differ, and no number of it does.
-        if not signs and not _have_one_tensor(actual, expected, threshold):
+        if not signs and not have_one_tensor(actual, expected, threshold):
             moments = [", ".join(f"{m:.3g}" for m in np.linalg.eigvalsh(n.inertia)) for n in (actual, expected)]
             equal = moments[0] == moments[1]
             yield "other principal axes" if equal else f"principal moments {moments[0]} instead of {moments[1]} kg·m²"
 
 
-def _have_one_tensor(actual: DeclaredInertial, expected: DeclaredInertial, threshold: float) -> bool:
+def have_one_tensor(actual: DeclaredInertial, expected: DeclaredInertial, threshold: float) -> bool:
     """Whether two inertials of different masses have the same tensor about the same axes."""
     if abs(actual.mass - expected.mass) <= threshold * expected.mass:
         return False

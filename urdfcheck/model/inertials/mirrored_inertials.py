@@ -28,6 +28,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.facts.likeness.symmetry import is_axis_renaming
+from urdfcheck.model.inertials.inertial_differences import have_one_tensor
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.likeness.declared_inertials import copy_inertial, mirror_inertial, read_declared_inertial
 from urdfcheck.model.likeness.mirror_pairs import MUCH_BETTER, MirrorPair, list_alike_links_elsewhere, mirror_pairs
@@ -90,8 +91,10 @@ class PairSide:
 
     @property
     def deviation(self) -> InertialDeviation:
-        """How far ``actual`` is from ``expected``."""
-        return measure_deviation(self.actual, self.expected)
+        """How far ``actual`` is from ``expected``. One tensor at two masses has other second moments per mass, and is no other
+        difference than that of the masses."""
+        deviation = measure_deviation(self.actual, self.expected)
+        return replace(deviation, spread=0.0) if have_one_tensor(self.actual, self.expected, COPIED) else deviation
 
 
 def compare_sides(model: Model, pair: MirrorPair) -> tuple[PairSide, PairSide] | None:
@@ -191,7 +194,7 @@ def _make_side(
     choices = [choice for choice in copies if choice[1] < DIFFERENT]
     if pair.drawn_as != "copied" and pair.mirror_mismatch is not None:
         choices.insert(0, (image, pair.mirror_mismatch))
-    nearest, near_mismatch = min(choices, key=lambda choice: measure_deviation(actual, choice[0]).worst)
+    nearest, near_mismatch = min(choices, key=lambda choice: _measure_apart_from_mass(actual, choice[0]))
     best, mismatch = min(choices, key=lambda choice: choice[1])
     is_proven = near_mismatch > MUCH_BETTER * max(FACETS, mismatch)
     if is_proven and measure_deviation(actual, nearest).worst > _SIGNED and find_wrong_signs(actual, best, _SIGNED):
@@ -204,6 +207,14 @@ def _make_side(
         image=image,
         disallowed=tuple(copy for copy, mismatch in copies if not mismatch < DIFFERENT),
     )
+
+
+def _measure_apart_from_mass(actual: DeclaredInertial, expected: DeclaredInertial) -> tuple[float, float]:
+    """Measure how far COM and tensor are from those expected, at either mass: masses that differ are as far apart in each of two
+    images, and hide what is not. Of images that are as near, the one with the nearer COM comes first."""
+    both = [measure_deviation(actual, replace(expected, mass=mass)) for mass in (expected.mass, actual.mass)]
+    nearer = min(both, key=lambda deviation: max(deviation.com_offset, deviation.spread))
+    return max(nearer.com_offset, nearer.spread), nearer.com_offset
 
 
 def find_wrong_side(
