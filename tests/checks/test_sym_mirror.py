@@ -790,6 +790,37 @@ def test_a_part_that_is_turned_round_for_the_other_side_turns_its_inertial(tmp_p
     assert not [f for f in find_mirror_defects(tmp_path, robot) if f.code == "SYM004"]
 
 
+@pytest.mark.parametrize(
+    ("paths", "subject"),
+    [
+        ("link[@name='{}_hand']/inertial/origin", "link[right_hand]/inertial/origin@xyz"),
+        ("joint[@name='{}_hand_joint']/origin", "joint[right_hand_joint]/origin@xyz"),
+    ],
+)
+@pytest.mark.parametrize("is_shared", [True, False])
+def test_a_property_that_both_sides_read_stays(tmp_path: Path, paths: str, subject: str, is_shared: bool) -> None:
+    """It is right for the left side: what is wrong is the line of the right one. A property of its own is wrong itself."""
+    left = ROBOT.find(paths.format("left"))
+    assert left is not None
+    place = left.get("xyz", "") if "link" in paths else "0 0.04 -0.32"
+    robot = with_(ROBOT, paths.format("left"), xyz="${place}" if is_shared else place)
+    robot = with_(robot, paths.format("right"), xyz="${place}")
+    xacro = "{http://www.ros.org/wiki/xacro}"
+    macro = ET.Element(f"{xacro}macro", name="all", params="")
+    macro.extend(robot)
+    whole = ET.Element("robot", name="r")
+    whole.extend((ET.Element(f"{xacro}property", name="place", value=place), macro, ET.Element(f"{xacro}all")))
+    text = ET.tostring(whole, encoding="unicode").replace("><", ">\n<")
+    (finding,) = find(tmp_path, text, "SYM004", name="robot.urdf.xacro")
+    assert finding.location.subject == subject
+    assert finding.location.span is not None
+    line = text.splitlines()[finding.location.span.line - 1]
+    assert ("property" in line) != is_shared
+    assert finding.fix is not None
+    own = 'write xyz="' in finding.fix.title and "in place of `${place}`, which left_hand" in finding.fix.title
+    assert own == is_shared
+
+
 @pytest.mark.parametrize("factor", [0.8, 0.3])
 def test_one_part_in_frames_that_are_alike_has_one_com_whatever_it_weighs(tmp_path: Path, factor: float) -> None:
     """A mirror would fit the drawing, too; the numbers are those of a copy, and only the masses differ."""

@@ -68,7 +68,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
 )
 from urdfcheck.model.likeness.shape_comparison import DIFFERENT, get_outline
 from urdfcheck.model.repairs.edits import AttributeChange, change_numbers, describe_remedy, make_attribute_edits
-from urdfcheck.model.repairs.inertial_edits import have_one_text
+from urdfcheck.model.repairs.inertial_edits import have_one_text, list_number_attributes
 from urdfcheck.model.shapes.repeated_drawings import are_drawn_in_one_place
 from urdfcheck.model.shapes.visual_solid import explain_collision_stand_in, measure_link_geometry
 from urdfcheck.source.text.values import read_attribute_number
@@ -684,8 +684,11 @@ def _describe_remedy(side: PairSide, note: float) -> str:
     # A macro may make both inertials, and take some of the numbers from its calls.
     shared = [change for change in changes if _has_shared_text(side, [change])]
     own = [change for change in changes if change not in shared]
+    of_twin = [] if side.twin.inertial is None else list_number_attributes(side.twin.inertial)
     return " and ".join(
-        describe_remedy(some, side.link.name, side.twin.name, shared=some is shared) for some in (own, shared) if some
+        describe_remedy(some, side.link.name, side.twin.name, shared=some is shared, twin_attributes=of_twin)
+        for some in (own, shared)
+        if some
     )
 
 
@@ -743,7 +746,8 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         for name, value in _list_notable(mismatch, shares).items()
     ]
     message = "limits" if mismatch.agreeing_joints else "limits_negated" if mismatch.is_about_normal else "limits_pair"
-    remedy = describe_remedy(changes, joint.name, twin.name, shared=shared)
+    of_twin = list(limits[1].attributes.values())
+    remedy = describe_remedy(changes, joint.name, twin.name, shared=shared, twin_attributes=of_twin)
     # A point may have slipped in a number that was then copied to all the others.
     is_decimal = bool(mismatch.agreeing_joints) and _is_power_of_ten_off(
         mismatch, changes=_list_notable(mismatch, shares)

@@ -31,12 +31,13 @@ def locate_typed_values(findings: Sequence[Finding], root: Element | None, texts
     if root is None:
         return list(findings)
     handed = {
-        finding.location.span
+        place.span
         for finding in findings
         if finding.location.via and "${" in _get_text(finding.location.span, texts)
+        for place in (finding.location, *finding.related)
     }
     makers = _index_by_subject(root, handed) if handed else {}
-    located = [_move(finding, makers.get(finding.location.subject, ())) for finding in findings]
+    located = [_move(finding, makers) for finding in findings]
     return _locate_own_calls(located, root, texts)
 
 
@@ -53,11 +54,11 @@ def _index_by_subject(root: Element, spans: Iterable[Span | None]) -> dict[str, 
     return found
 
 
-def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
+def _move(finding: Finding, makers: Mapping[str, Sequence[Attribute]]) -> Finding:
     here = finding.location
     # A finding about an element that has a name is about the element; one about the name itself is about the name.
-    places = _find_typed_places(attributes, may_be_name="@" in here.subject)
-    if here.span is None or not places or _is_about_markup(finding):
+    places = _find_typed_places(makers.get(here.subject, ()), may_be_name="@" in here.subject)
+    if here.span is None or not places or _is_about_markup(finding) or _is_right_elsewhere(finding, places, makers):
         return finding
     first, last = places[0], places[-1]
     # The values of a block are a line each; between others there is text that has nothing to do with it.
@@ -68,6 +69,19 @@ def _move(finding: Finding, attributes: Sequence[Attribute]) -> Finding:
         location=Location(here.subject, span, (*here.via, here.span)),
         related=tuple(place for place in finding.related if place.span != span),
     )
+
+
+def _is_right_elsewhere(finding: Finding, places: Sequence[Span], makers: Mapping[str, Sequence[Attribute]]) -> bool:
+    """Whether a value is also that of an element with which a finding compares, and which is typed apart: the value is right
+    there, and what is wrong is that this element has it, too."""
+    others = [
+        attribute
+        for place in finding.related
+        if place.subject not in finding.subjects and place.span != finding.location.span
+        for attribute in makers.get(place.subject, ())
+        if not attribute.literal
+    ]
+    return any(_find_typed_place(attribute, may_be_name=True) in places for attribute in others)
 
 
 def _is_about_markup(finding: Finding) -> bool:

@@ -179,8 +179,10 @@ def _describe_lone_turn(turn: LoneTurn) -> PlaceMistake:
         for joint, angles in ((turn.joint, turn.expected), (turn.twin, turn.twin_expected))
     )
     shared = at.span == related.span
-    first = describe_remedy([change], turn.joint.name, turn.twin.name, shared=shared)
-    second = describe_remedy([other], turn.twin.name, turn.joint.name, shared=shared)
+    first, second = (
+        describe_remedy([one], here.name, there.name, shared=shared, twin_attributes=[twin.attribute])
+        for one, twin, here, there in ((change, other, *both), (other, change, *both[::-1]))
+    )
     return PlaceMistake(
         message="turned" if turn.is_decided else "turned_pair",
         joints=both,
@@ -422,7 +424,8 @@ def _describe_move(joint: Joint, twin: Joint, place: Array) -> str:
     text = format_point(place, decimals=6)
     attributes = [one.origin.get_attribute("xyz") for one in (joint, twin)]
     shared = attributes[0] is not None and attributes[1] is not None and attributes[0].span == attributes[1].span
-    return describe_remedy([change_numbers(attributes[0], "xyz", text)], joint.name, twin.name, shared=shared)
+    change = change_numbers(attributes[0], "xyz", text)
+    return describe_remedy([change], joint.name, twin.name, shared=shared, twin_attributes=attributes[1:])
 
 
 def _list_subjects(joints: Sequence[Joint]) -> list[str]:

@@ -123,15 +123,27 @@ def make_attribute_edits(changes: Iterable[AttributeChange]) -> list[Edit]:
     return edit_values((change.attribute, change.text) for change in changes)
 
 
-def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *, shared: bool) -> str:
+def describe_remedy(
+    changes: Sequence[AttributeChange],
+    name: str,
+    twin: str,
+    *,
+    shared: bool,
+    twin_attributes: Sequence[Attribute | None] = (),
+) -> str:
     """Return the instruction that gives the element ``name`` these numbers.
 
     :param shared: whether the same text makes its ``twin``, whose numbers are right, so that no number can be written for
         one of them alone. A macro parameter of 1 and -1 repairs numbers that differ only in sign.
+    :param twin_attributes: those of its ``twin``. A property that both read is right for one of them: it stays, and the line of
+        the other one gets numbers of its own.
     """
     computed = [(c, c.attribute) for c in changes if c.attribute is not None and not c.attribute.literal]
     definitions = {d.span: d for _, attribute in computed for d in attribute.collect_definitions()}
     numbers = " ".join(map(str, changes))
+    if computed and all(_is_read_apart(attribute, twin_attributes) for _, attribute in computed):
+        typed = join_names(dict.fromkeys(f"`{attribute.typed}`" for _, attribute in computed))
+        return f"write {numbers} in {name} in place of {typed}, which {twin} reads too"
     if definitions:
         where = join_names(describe_definitions(list(definitions.values())))
         if len(computed) > 1 or len(changes) > 1:
@@ -145,6 +157,14 @@ def describe_remedy(changes: Sequence[AttributeChange], name: str, twin: str, *,
         return f"give the macro that makes both a parameter for them, so that {name} gets {numbers}"
     written = " ".join(f'{change.name}="{text}"' for change, text in zip(changes, reflected, strict=True))
     return f"give the macro a parameter such as `reflect`, 1 for {twin} and -1 for {name}, and write {written} in it"
+
+
+def _is_read_apart(attribute: Attribute, others: Iterable[Attribute | None]) -> bool:
+    """Whether one of some other attributes, which is typed elsewhere, hands on the same text as an attribute."""
+    typed = find_typed_value(attribute)
+    return typed is not None and any(
+        other is not None and other.span != attribute.span and locate_text(other) == typed.span for other in others
+    )
 
 
 def _reflect_numbers(change: AttributeChange) -> str | None:

@@ -55,14 +55,19 @@ def have_one_text(places: Iterable[Attribute | Element | None], inertial: Inerti
 
     A macro may make both, and take the numbers from its calls. The texts of what an inertial lacks would be in its element.
     """
-    tensor, origin = other.tensor_element, other.origin
-    attributes = [other.mass_attribute, origin.get_attribute("xyz"), origin.get_attribute("rpy")]
-    attributes += [] if tensor is None else [tensor.attributes.get(name) for name in TENSOR_NAMES]
-    texts = {locate_text(attribute) for attribute in attributes if attribute is not None} - {None}
+    texts = {locate_text(attribute) for attribute in list_number_attributes(other)} - {None}
     return any(
         locate_text(place) in texts if isinstance(place, Attribute) else inertial.element.span == other.element.span
         for place in places
     )
+
+
+def list_number_attributes(inertial: Inertial) -> list[Attribute]:
+    """List the attributes that hold the numbers of an inertial."""
+    tensor, origin = inertial.tensor_element, inertial.origin
+    attributes = [inertial.mass_attribute, origin.get_attribute("xyz"), origin.get_attribute("rpy")]
+    attributes += [] if tensor is None else [tensor.attributes.get(name) for name in TENSOR_NAMES]
+    return [attribute for attribute in attributes if attribute is not None]
 
 
 def build_inertial_repair(inertial: Inertial, expected: DeclaredInertial, digits: int = 6) -> InertialRepair:
