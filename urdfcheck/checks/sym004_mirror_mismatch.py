@@ -218,7 +218,6 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
             side.twin.name
         ),
         "lack": LACKS[pair.drawn_as or ""],
-        "doubt": "which mass is wrong" if _is_of_mass_alone(deviation, note) else _DOUBT,
         "differences": ", ".join(differences),
         "fitting": "inertial" if written is side else "COM",
         "what": " and ".join(word for word, share in parts if share > note),
@@ -241,6 +240,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         repair = _describe_either_repair(model, both, why, note=note, is_barred=len(barred) == len(both))
         # Numbers that are off by a few percent are two exports of one assembly, or change nothing.
         is_slight = share < shares.differ
+        data["doubt"] = "which mass is wrong" if _is_of_mass_alone(deviation, note) else _DOUBT
         if repair in {_COMPUTE_BOTH_COMS, _COMPUTE_BOTH_INERTIALS}:
             # Neither was right before it was copied.
             cause = cause if why.is_slip else None
