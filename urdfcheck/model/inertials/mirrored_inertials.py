@@ -91,8 +91,8 @@ class PairSide:
 
     @property
     def deviation(self) -> InertialDeviation:
-        """How far ``actual`` is from ``expected``. One tensor at two masses has other second moments per mass, and is no other
-        difference than that of the masses."""
+        """How far ``actual`` is from ``expected``. One tensor at two masses has other second moments per mass, and does
+        not count as another difference than that of the masses."""
         deviation = measure_deviation(self.actual, self.expected)
         return replace(deviation, spread=0.0) if have_one_tensor(self.actual, self.expected, COPIED) else deviation
 

@@ -136,7 +136,7 @@ def describe_remedy(
     :param shared: whether the same text makes its ``twin``, whose numbers are right, so that no number can be written for
         one of them alone. A macro parameter of 1 and -1 repairs numbers that differ only in sign.
     :param twin_attributes: those of its ``twin``. A property that both read is right for one of them: it stays, and the line of
-        the other one gets numbers of its own.
+        the other one gets its own numbers.
     """
     computed = [(c, c.attribute) for c in changes if c.attribute is not None and not c.attribute.literal]
     definitions = {d.span: d for _, attribute in computed for d in attribute.collect_definitions()}
