@@ -153,9 +153,21 @@ def test_a_file_that_a_robot_with_the_link_includes_is_not_to_have_it_too(
     assert [repair in f.fix.title for f in found if f.fix is not None] == [True]
 
 
-@pytest.mark.parametrize(("parent", "drake"), [("world", "loads it"), ("wrld", "refuses the file")])
-def test_drake_needs_no_link_for_its_world_body(tmp_path: Path, parent: str, drake: str) -> None:
+@pytest.mark.parametrize(
+    ("parent", "package", "drake", "severity"),
+    [
+        ("world", "", "loads it", Severity.WARNING),  # it may be for Drake alone
+        ("world", "<package><name>p</name></package>", "loads it", Severity.ERROR),
+        ("wrld", "", "refuses the file", Severity.ERROR),
+    ],
+)
+def test_drake_needs_no_link_for_its_world_body(
+    tmp_path: Path, parent: str, package: str, drake: str, severity: Severity
+) -> None:
+    if package:
+        (tmp_path / "package.xml").write_text(package, encoding="utf-8")
     (finding,) = check_text(tmp_path, make_tree("pallet", f"{parent} pallet"), codes={"KIN002"}).findings
+    assert finding.severity is severity
     assert finding.consequences["drake"].startswith(drake)
     assert finding.consequences["mujoco"] == "refuses the file"
 

@@ -280,6 +280,20 @@ def test_a_folder_of_the_name_that_lacks_the_file_is_not_the_one_that_is_meant(t
     assert not audit(tmp_path / "arm/robots/arm/r.urdf", make_mesh_link("a", "package://arm/meshes/a.stl")).findings
 
 
+@pytest.mark.parametrize(
+    ("build", "severity"),
+    [
+        ("execute_process(COMMAND gunzip -k meshes/a.stl.gz)", Severity.INFO),
+        ("install(FILES meshes/a.stl DESTINATION share)", Severity.ERROR),
+    ],
+)
+def test_a_build_may_make_a_mesh_that_git_ignores(tmp_path: Path, build: str, severity: Severity) -> None:
+    model = package(tmp_path, "meshes/b.stl")
+    write(tmp_path / "p", {"CMakeLists.txt": build, ".gitignore": "meshes/a.stl"})
+    finding = only(audit(model, make_mesh_link("a", "package://p/meshes/a.stl")))
+    assert (finding.code, finding.severity) == ("PKG002", severity)
+
+
 def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path) -> None:
     write(tmp_path, {"q/package.xml": "<package><name>ur_description</name></package>", "q/meshes/b.stl": ""})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/meshes/a.stl")))

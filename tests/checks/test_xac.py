@@ -1097,6 +1097,12 @@ def test_a_value_without_the_prefix_stops_a_robot_of_another_package(tmp_path: P
     assert (finding.code, finding.data["listed"]) == ("XAC007", "<property>")
 
 
+def test_a_macro_without_the_prefix_leaves_its_parameters_without_values(tmp_path: Path) -> None:
+    text = '<macro name="wheel" params="side"><link name="wheel_${side}"/></macro>'
+    finding = only(xacro(tmp_path, text, {"XAC001", "XAC007"}))
+    assert (finding.code, finding.data["listed"]) == ("XAC007", "<macro>")
+
+
 def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path) -> None:
     text = '<if value="true"><if value="true"><link name="a"/></if></if>'
     finding = only(xacro(tmp_path, text, {"XAC007"}))

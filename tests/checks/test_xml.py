@@ -285,6 +285,15 @@ class TestXML002:
         (old,) = findings(tmp_path, block.format('version="1.0"'), "XML002")
         assert (part.message_id, old.message_id) == ("root", "format")
 
+    @pytest.mark.parametrize(("name", "count"), [("bay.scn.xacro", 0), ("bay.urdf.xacro", 1)])
+    def test_xacro_may_make_another_format_unless_the_name_says_urdf(
+        self, tmp_path: Path, name: str, count: int
+    ) -> None:
+        ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        text = f'<scenario {ns}><xacro:macro name="m" params=""><robot/></xacro:macro><xacro:m/></scenario>'
+        (tmp_path / name).write_text(text)
+        assert len(check(tmp_path, codes={"XML002"}).findings) == count
+
     def test_nameless_xacro_is_a_warning_however_it_is_found(self, tmp_path: Path) -> None:
         text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")

@@ -37,6 +37,10 @@ _LEFT_OVER = (
 
 # Drake has a body of this name, which a file need not declare.
 _WORLD = {"world": {"drake": "loads it: the name is that of its world body"}}
+_OF_DRAKE = (
+    "for other programs than Drake, which has a body of this name, "
+    'add `<link name="{called}"/>`: Drake reads the file with it too'
+)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -158,6 +162,9 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         else:
             file, template = _find_completing_file(model, called), alone
             template = _COMPLETING + template if file else template
+        # Where no package shows that ROS loads the file, it may be for Drake alone.
+        is_for_drake = called in _WORLD and not is_child and model.source.package is None
+        template = _OF_DRAKE if is_for_drake else template
         data["repair"] = template.format(called=data["called"], file=file, naming=_describe_naming(attributes[0]))
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
         is_scrap = is_part and "name" not in model.robot.attributes
@@ -168,7 +175,7 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
             at=attributes[0],
             related=related,
             links=links,
-            severity=Severity.INFO if is_scrap else Severity.WARNING if is_unused else None,
+            severity=Severity.INFO if is_scrap else Severity.WARNING if is_unused or is_for_drake else None,
             **data,
         )
     else:

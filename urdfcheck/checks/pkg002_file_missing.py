@@ -12,7 +12,7 @@ from pathlib import Path
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
-from urdfcheck.source.launch.built_files import is_git_ignored
+from urdfcheck.source.launch.built_files import find_making_build, is_git_ignored
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
@@ -194,6 +194,7 @@ def _build_finding(
     beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
     # No program of the robot loads such a model, as in PKG001.
     kept = "" if is_explained or beside else explain_kept_file(source)
+    build = "" if is_explained or beside or package is None else _find_making_build(gap, package)
     hint = argued or (
         _describe_place(outside, source)
         if outside
@@ -212,7 +213,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related.values(), *places],
-        severity=Severity.INFO if kept else None,
+        severity=Severity.INFO if kept or build else None,
         edits=_propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         lost=name_lost_shapes(use.attribute.owner for use in gap.uses),
@@ -223,6 +224,7 @@ def _build_finding(
         else _describe_owner(gap, owners, source)
         or _describe_checkout(gap, source)
         or repair_beside
+        or (f"build {package.name} first: its {build} names the file and makes files" if build and package else "")
         or _describe_version(gap, source)
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
@@ -388,6 +390,12 @@ def _describe_version(gap: _MissingFiles, source: Source) -> str:
     return (
         "" if package is None else f"correct the path, add {what}, or get the version of {package.name} that has {them}"
     )
+
+
+def _find_making_build(gap: _MissingFiles, package: Package) -> str:
+    """Return the name of the build file of the package that may make all files; empty if there is none."""
+    builds = {find_making_build(path, package.path) for path in gap.files}
+    return builds.pop() if len(builds) == 1 else ""
 
 
 def _describe_ignored(gap: _MissingFiles) -> str:

@@ -29,6 +29,7 @@ from urdfcheck.source.xacro.usage import (
     find_unprefixed_tags,
     iter_elements_by_tag,
     list_strange_tags,
+    read_macro,
 )
 
 # At most so many tags of one file are listed, and renamed by one fix.
@@ -357,10 +358,13 @@ def _find_places_in_robot(source: Source) -> set[tuple[str, int]]:
 
 
 def _stops_expansion(source: Source, element: Element) -> bool:
-    """Whether an element would define what the expansion did not find, in whichever package it is typed."""
-    name = element.get("name")
-    pattern = re.compile(rf"(?<![\w.]){re.escape(name)}(?![\w.])")
-    return name != "" and any(pattern.search(p.message) for p in source.find_problems("expansion-failed"))
+    """Whether an element would give a value to what the expansion did not find, in whichever package it is typed.
+
+    A macro without the prefix is expanded where it is typed, and there its parameters have no values.
+    """
+    names = {element.get("name"), *(read_macro(element).parameters if element.tag == "macro" else ())} - {""}
+    pattern = re.compile(rf"(?<![\w.])(?:{'|'.join(map(re.escape, sorted(names)))})(?![\w.])")
+    return bool(names) and any(pattern.search(p.message) for p in source.find_problems("expansion-failed"))
 
 
 def _collect_places(elements: Iterable[Element]) -> set[tuple[str, int]]:

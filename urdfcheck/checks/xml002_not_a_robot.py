@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
-from urdfcheck.source.model_role import explain_joint_to_elsewhere, only_defines
+from urdfcheck.source.model_role import explain_joint_to_elsewhere, makes_another_format, only_defines
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -33,6 +33,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         known = None if is_block else FORMATS_BY_ROOT.get(root.tag)
         if known is None and source.root is None and source.is_xacro and only_defines(root):
             return  # whatever its root is: a library, which xacro could not expand (XAC001)
+        if known is None and source.root is not None and makes_another_format(source, root):
+            return
         if known is None:
             yield rule.finding("root", at=root, tag=root.tag)
         else:

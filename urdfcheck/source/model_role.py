@@ -184,7 +184,18 @@ def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) 
     if only_defines(source.main_tree) and all(map(_is_definition, root.children)):
         return LIBRARY
     tag = truncate_text(root.tag, _LONGEST_NAME)
+    if makes_another_format(source, root):
+        return ModelRole("library", f"its root is <{tag}>: xacro makes something else than URDF of it")
     return ModelRole("part", f"its root is <{tag}>, not <robot>") if is_part else MODEL
+
+
+def makes_another_format(source: Source, root: Element) -> bool:
+    """Whether an expanded xacro is of a format of its own, such as a scenario of a simulator: its name does not say URDF, and its
+    root has another tag and neither link nor joint."""
+    is_named_urdf = ".urdf" in source.path.name.lower()
+    has_parts = any(child.tag in {"link", "joint"} for child in root.children)
+    is_of_robot = root.tag in _COMPLETING or root.tag.lower() == "robot"
+    return source.is_xacro and not (is_of_robot or is_named_urdf or has_parts)
 
 
 def only_defines(tree: Element | None) -> bool:

@@ -106,6 +106,19 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     return False
 
 
+def find_making_build(path: Path, package: Path) -> str:
+    """Return the name of the build file of a package that makes a file which git ignores: it names the file, and calls what makes
+    files. Empty if there is none."""
+    reach = FileReach.from_paths([package], [])
+    if not is_git_ignored(path, reach):
+        return ""
+    for name in (_CMAKE, "setup.py"):
+        text = read_text_or_nothing(package / name) if reach.can_open(package / name) else ""
+        if path.name in text and _MAKES_FILES.search(text):
+            return name
+    return ""
+
+
 def find_template(path: Path, package: Path) -> Path | None:
     """Return the file of a package of which a build makes a missing one: ``car.launch.in`` of ``car.launch``."""
     for here, names, files in walk(package):

@@ -104,24 +104,24 @@ def _collect_definitions(trees: Mapping[str, Element]) -> dict[str, list[Macro]]
 
 @tree_fact
 def _list_macros(tree: Element) -> list[Macro]:
-    macros = []
-    for element in _group_by_tag(tree).get("xacro:macro", ()):
-        parameters, optional, blocks, rest = [], set(), set(), element.get("params")
-        while rest.strip():
-            parameter, default, rest = parse_next_parameter(rest)
-            parameters.append(parameter.lstrip("*"))
-            optional |= {parameter} if default is not None else set()
-            blocks |= {parameter.lstrip("*")} if parameter.startswith("*") else set()
-        name = element.get("name").removeprefix("xacro:")
-        macro = Macro(
-            element=element,
-            name=name,
-            parameters=tuple(parameters),
-            optional=frozenset(optional),
-            blocks=frozenset(blocks),
-        )
-        macros.append(macro)
-    return macros
+    return [read_macro(element) for element in _group_by_tag(tree).get("xacro:macro", ())]
+
+
+def read_macro(element: Element) -> Macro:
+    """Read the definition of a macro, whether or not its tag has xacro's prefix."""
+    parameters, optional, blocks, rest = [], set(), set(), element.get("params")
+    while rest.strip():
+        parameter, default, rest = parse_next_parameter(rest)
+        parameters.append(parameter.lstrip("*"))
+        optional |= {parameter} if default is not None else set()
+        blocks |= {parameter.lstrip("*")} if parameter.startswith("*") else set()
+    return Macro(
+        element=element,
+        name=element.get("name").removeprefix("xacro:"),
+        parameters=tuple(parameters),
+        optional=frozenset(optional),
+        blocks=frozenset(blocks),
+    )
 
 
 @tree_fact
