@@ -248,6 +248,22 @@ class TestModels:
         make_package(tmp_path, {"view.launch.py": COMMAND}, ARM.replace('default="none"', 'default="small"'))
         assert check(tmp_path / "arm").models[0].args == {"name": "ur", "prefix": ""}
 
+    @pytest.mark.parametrize("kind", ["property", "macro"])
+    @pytest.mark.parametrize(("passed", "status"), [("large", "checked"), ("tiny", "failed")])
+    def test_a_default_without_which_something_is_defined_gives_way(
+        self, tmp_path: Path, kind: str, passed: str, status: str
+    ) -> None:
+        made = '<xacro:property name="y" value="1"/>' if kind == "property" else '<xacro:macro name="m" params=""/>'
+        used = '<link name="a${y}"/>' if kind == "property" else '<link name="a"/><xacro:m/>'
+        text = (
+            '<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="type" default="none"/>'
+            f"<xacro:if value=\"${{'$(arg type)' == 'large'}}\">{made}</xacro:if>\n{used}</robot>"
+        )
+        make_package(tmp_path, {"view.launch.py": COMMAND.replace('"large"', f'"{passed}"')}, text)
+        run = check(tmp_path / "arm")
+        assert run.models[0].status == status
+        assert ("type" in run.models[0].args) == (status == "checked")
+
     def test_a_value_that_does_not_help_is_not_used(self, tmp_path: Path) -> None:
         make_package(tmp_path, {"view.launch.py": COMMAND.replace('"large"', '"none"').replace('"small"', '"none"')})
         run = check(tmp_path / "arm")

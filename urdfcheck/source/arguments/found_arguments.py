@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,8 +14,10 @@ from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, fin
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
-from urdfcheck.source.xacro.usage import ARGUMENT
+from urdfcheck.source.xacro.usage import ARGUMENT, find_conditions, list_condition_arguments
 
+# What xacro says of a property and of a macro that are not defined.
+_LACKING = re.compile(r"name '(?P<property>[^']+)' is not defined|unknown macro name: (?:xacro:)?(?P<macro>\S+)")
 # How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
 MOST_FOUND = 64
 
@@ -41,7 +44,8 @@ def expand_with_found_arguments(
 ) -> FoundExpansion:
     """Expand a xacro. An argument without which there is no model gets the value that a launch file passes.
 
-    This is one that is read and has no value, or one whose default leads to a file that does not exist. A variable of ROS that
+    This is one that is read and has no value, one whose default leads to a file that does not exist, or one with whose default
+    nothing defines a property or macro that the file needs. A variable of ROS that
     is not set here gets a usual value: every shell of ROS sets it. ``launches``: the launch files that are checked with the
     model, which count first.
     """
@@ -71,7 +75,7 @@ def _expand_with_passed_arguments(
         return expand_xacro(path, values, finder, extra_environment=environment)
 
     plain = FoundExpansion(expand(arguments), arguments, {})
-    if not _list_wanted_arguments(plain.expansion.problems):
+    if not _list_wanted_arguments(plain.expansion):
         return plain
     # What launch files pass comes before the commands in other files.
     passed = {**find_written_arguments(path, finder), **find_passed_arguments(path, finder, launches)}
@@ -110,7 +114,7 @@ def _add_passed_arguments(
     expansion, arguments = plain.expansion, plain.arguments
     found = dict(plain.found)
     for _ in range(MOST_FOUND):
-        names = _list_wanted_arguments(expansion.problems)
+        names = _list_wanted_arguments(expansion)
         new = {name: passed[name] for name in names if name in passed and name not in {**arguments, **found}}
         if not new:
             break
@@ -123,16 +127,30 @@ def _add_passed_arguments(
     return FoundExpansion(expansion, {**arguments, **values}, found)
 
 
-def _list_wanted_arguments(problems: tuple[Problem, ...]) -> list[str]:
-    """Return the arguments that have no value, or that a path to a missing file was made of."""
+def _list_wanted_arguments(expansion: Expansion) -> list[str]:
+    """Return the arguments that have no value, of which a path to a missing file was made, or on which it depends whether what is
+    missing is defined."""
     names: list[str] = []
-    for problem in problems:
+    for problem in expansion.problems:
         if problem.kind == "argument-missing":
             names.append(str(problem.data["argument"]))
         elif problem.kind == "expansion-failed" and _is_about_missing_file(problem):
             subjects = (place.subject for place in problem.related)
             names += [subject[len("argument[") : -1] for subject in subjects if subject.startswith("argument[")]
+        elif problem.kind == "expansion-failed":
+            names += _list_deciding_arguments(expansion, problem)
     return names
+
+
+def _list_deciding_arguments(expansion: Expansion, problem: Problem) -> list[str]:
+    """Return the arguments of the conditions under which the property or macro is defined that the expansion did not find."""
+    lacking = _LACKING.search(problem.message.split(IN_EXPRESSION)[0])
+    if lacking is None:
+        return []
+    tag = "xacro:property" if lacking["property"] else "xacro:macro"
+    name = lacking["property"] or lacking["macro"]
+    conditions = find_conditions(expansion.trees, name, problem.location.span, tag)
+    return list(list_condition_arguments(expansion.trees, conditions))
 
 
 def _is_about_missing_file(problem: Problem) -> bool:
