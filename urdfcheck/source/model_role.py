@@ -190,7 +190,7 @@ def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) 
 
 
 def makes_another_format(source: Source, root: Element) -> bool:
-    """Whether an expanded xacro is of a format of its own, such as a scenario of a simulator: its name does not say URDF, and its
+    """Whether an expanded xacro is of another format, such as a scenario of a simulator: its name does not say URDF, and its
     root has another tag and neither link nor joint."""
     is_named_urdf = ".urdf" in source.path.name.lower()
     has_parts = any(child.tag in {"link", "joint"} for child in root.children)
