@@ -177,12 +177,15 @@ def test_what_only_slides_on_a_fixed_base_may_have_any_inertia(tmp_path: Path, k
 # -- INR007 -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.parametrize("world", [[link("world")], []])
 @pytest.mark.parametrize(("kind", "message"), [("prismatic", "bolted"), ("continuous", "placeholder")])
-def test_what_only_slides_on_a_fixed_base_needs_no_inertia(tmp_path: Path, kind: str, message: str) -> None:
+def test_what_only_slides_on_a_fixed_base_needs_no_inertia(
+    tmp_path: Path, kind: str, message: str, world: list[str]
+) -> None:
     drawn = visual(box("0.3 0.1 0.1"))
     pole = link("pole", inertial(0.3, ixx=0.004, iyy=0.0041, izz=0.0001), visual(box("0.02 0.02 0.4")))
     text = robot(
-        link("world"),
+        *world,
         link("rail", inertial(5, ixx=0.1, iyy=0.2, izz=0.21), visual(box("0.1 0.7 0.1"))),
         link("cart", inertial(1, 0.1), drawn),
         pole,

@@ -214,8 +214,28 @@ def test_the_com_of_a_base_that_is_bolted_down_is_not_reported(tmp_path: Path) -
     assert not find(tmp_path, arm("world"), "INR009")
 
 
+@pytest.mark.parametrize(
+    ("world", "wheel", "found"), [("world", "arm", False), ("stand", "arm", True), ("world", "wheel", True)]
+)
+def test_a_root_on_a_world_that_the_file_does_not_declare_is_bolted(
+    tmp_path: Path, world: str, wheel: str, found: bool
+) -> None:
+    """Drake has a body of this name. A base with wheels rolls in other programs."""
+    part, drawn = inertial(1, ixx=0.0042, iyy=0.0083, izz=0.0108), visual(box("0.3 0.2 0.1"), xyz="0.3 0 0")
+    text = robot(
+        link("foot", part, drawn),
+        link(wheel, inertial(1, 0.01), visual(box("0.2 0.2 0.2"))),
+        joint("weld", world, "foot"),
+        joint("turns", "foot", wheel, kind="continuous"),
+    )
+    assert bool(find(tmp_path, text, "INR009")) == found
+
+
+@pytest.mark.parametrize("world", ["world", ""])
 @pytest.mark.parametrize(("com", "severity"), [("-33 0.6 16", Severity.WARNING), ("-0.33 0.006 0.16", Severity.INFO)])
-def test_a_named_cause_of_a_bolted_base_counts_beyond_the_robot(tmp_path: Path, com: str, severity: Severity) -> None:
+def test_a_named_cause_of_a_bolted_base_counts_beyond_the_robot(
+    tmp_path: Path, com: str, severity: Severity, world: str
+) -> None:
     names = ("upper", "lower", "hand")
     arm = [link(name, inertial(1, 0.003), visual(box("0.1 0.1 0.3"))) for name in names]
     before = ("foot", "upper", "lower")
@@ -225,7 +245,8 @@ def test_a_named_cause_of_a_bolted_base_counts_beyond_the_robot(tmp_path: Path, 
     ]
     drawn = visual(box("0.12 0.1 0.08"), xyz="-0.038 0.0006 0.019")
     foot = link("foot", inertial(1, com=com, ixx=0.0016, iyy=0.0021, izz=0.0025), drawn)
-    text = robot(link("world"), foot, *arm, joint("w", "world", "foot"), *joints)
+    declared = [link(world)] if world else []
+    text = robot(*declared, foot, *arm, joint("w", "world", "foot"), *joints)
     assert one(tmp_path, text, "INR009").severity == severity
 
 

@@ -9,6 +9,7 @@ from urdfcheck.facts.small_matrices import Vector
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
+from urdfcheck.model.tree import Tree
 
 # Fewer joints that are apart do not say how large a robot is: a mast may stand on a small base.
 LEAST_JOINTS = 3
@@ -26,7 +27,10 @@ def measure_reach(model: Model, *, with_shapes: bool, with_unread: bool = True) 
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    tree = model.tree
+    return _measure_longest_path(model, model.tree, with_shapes=with_shapes, with_unread=with_unread)
+
+
+def _measure_longest_path(model: Model, tree: Tree, *, with_shapes: bool, with_unread: bool = True) -> float | None:
     farthest: dict[str, float] = {}  # from each link's frame, downwards
     longest, apart = 0.0, 0
     for name in reversed(tree.order):
@@ -40,8 +44,11 @@ def measure_reach(model: Model, *, with_shapes: bool, with_unread: bool = True) 
 
 
 def is_beyond_reach(model: Model, distance: float) -> bool:
-    """Whether a distance (m) is longer than the robot: no stand is so large."""
-    reach = measure_reach(model, with_shapes=True)
+    """Whether a distance (m) is longer than the robot, or than the longest of its pieces: no stand is so large."""
+    try:
+        reach = measure_reach(model, with_shapes=True)
+    except FactUnavailableError:
+        reach = _measure_longest_path(model, model.pieces, with_shapes=True)
     return reach is not None and distance > reach * (1.0 if is_all_known(model) else _LONGEST_MESH)
 
 

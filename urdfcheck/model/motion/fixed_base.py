@@ -86,6 +86,8 @@ def list_bolted_links(model: Model) -> Sequence[str]:
 
     A hand is fixed to an arm, unless its file says that it is fixed to the world.
     """
+    if _is_in_pieces(model):
+        return _list_links_on_undeclared_world(model)
     try:
         root = model.tree.root
         is_held = is_bolted(model) if root in GROUND_NAMES else is_bolted_arm(model)
@@ -98,8 +100,8 @@ def list_unturned_links(model: Model) -> Sequence[str]:
     """List the links of a base that cannot move, and of what only slides on it: nothing depends on their inertia."""
     links = list(list_bolted_links(model))
     for name in links:
-        sliding = (joint.child for joint in model.tree.child_joints[name] if joint.type == "prismatic")
-        links += [link for child in sliding for link in model.tree.list_body_links(child)]
+        sliding = (joint.child for joint in model.pieces.child_joints[name] if joint.type == "prismatic")
+        links += [link for child in sliding for link in model.pieces.list_body_links(child)]
     return links
 
 
@@ -138,6 +140,25 @@ def _is_in_pieces(model: Model) -> bool:
     except FactUnavailableError:
         return True
     return False
+
+
+def _list_links_on_undeclared_world(model: Model) -> Sequence[str]:
+    """List the links that fixed joints hang on a world which the file does not declare: Drake has a body of that name.
+
+    Empty where wheels turn on the robot, by their names: such a base rolls in other programs.
+    """
+    if model.base not in {"auto", "fixed"} or "world" in model.link_by_name:
+        return ()
+    turning = [joint for joint in model.joints if joint.type == "continuous"]
+    if any(p.search(f"{one.name} {one.child}") for one in turning for p in (WHEEL_NAME, CASTER_NAME)):
+        return ()
+    try:
+        pieces = model.pieces
+    except FactUnavailableError:  # the pieces are not trees
+        return ()
+    hung = [joint.child for joint in model.joints if joint.type == "fixed" and joint.parent == "world"]
+    roots = [name for name in hung if name in pieces.child_joints and name not in pieces.parent_joint]
+    return [link for name in roots for link in pieces.list_body_links(name)]
 
 
 def _list_virtual_joint_types(model: Model) -> set[str]:
