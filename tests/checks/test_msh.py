@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find, inertial, joint, limit, link, mesh, robot, visual
+from builders import box, find, inertial, joint, limit, link, mesh, robot, visual
 from conftest import check, check_text
 from scipy.spatial import ConvexHull
 
@@ -672,6 +672,30 @@ def test_file_and_scale_may_change_together(tmp_path: Path, factor: float) -> No
 def test_how_large_a_part_may_be_depends_on_the_robot(tmp_path: Path, size: float, step: float, reported: bool) -> None:
     """Five metres, or ten times the distance of the farthest link; without distances nothing is too large."""
     assert bool(find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, size), "", shape("visual"), step=step)) == reported
+
+
+@pytest.mark.parametrize(
+    ("size", "travel", "carries", "drawn", "found"),
+    [
+        (40.0, 37.0, True, True, False),
+        (100.0, 37.0, True, True, True),
+        (40.0, 37.0, False, True, True),  # a finger, with limits in millimetres
+        (40.0, 37.0, True, False, True),  # a mobile base, which is carried by nothing
+        (40.0, 1000.0, True, True, True),  # no limit
+    ],
+)
+def test_the_rail_of_a_gantry_is_as_long_as_what_it_travels(
+    tmp_path: Path, size: float, travel: float, carries: bool, drawn: bool, found: bool
+) -> None:
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, size))
+    text = robot(
+        link("hall", shape("visual") if drawn else ""),
+        link("bridge", visual(box("0.5 0.5 0.5"))),
+        link("arm", shape("visual")),
+        joint("x", "hall", "bridge", limit(0, travel), kind="prismatic"),
+        joint("turns", "bridge", "arm", kind="continuous" if carries else "fixed", xyz="0.3 0 0"),
+    )
+    assert bool(find(tmp_path, text, "MSH008")) == found
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.model.parts import Shape
+from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 
@@ -32,6 +32,11 @@ _MAX_CONVERSION_SCALE = 0.03
 _ENLARGED = 20.0
 # A part that measures more than this in all three directions (m) is not a ground plane or a wall.
 _MIN_ENLARGED = 1.0
+# No published robot has a mesh more than 2.2 times as long as its reach. The rail of a gantry, and the hall in which it is, are as
+# long as what the gantry travels.
+_LIKE_GANTRY = 2.2
+# A limit beyond this (m) is a number that stands for none (chosen).
+_LONGEST_TRAVEL = 100.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +96,8 @@ class MeshSizes:
 def measure_mesh_sizes(model: Model, *, largest: float, ratio: float, smallest: float) -> MeshSizes:
     """Measure every use of a mesh, and find what is wrong with its size."""
     reach = _measure_reach(model)
-    limits, usual = SizeLimits(reach, smallest, max(largest, ratio * reach)), _find_usual_scale(model)
+    most = max(largest, ratio * reach, _LIKE_GANTRY * _measure_gantry(model))
+    limits, usual = SizeLimits(reach, smallest, most), _find_usual_scale(model)
     meshes = (_measure_mesh(model, use, limits, usual=usual) for use in model.meshes.uses)
     return MeshSizes(limits, usual, tuple(mesh for mesh in meshes if mesh is not None))
 
@@ -186,3 +192,38 @@ def _measure_reach(model: Model) -> float:
         return max((float(np.linalg.norm(frame[:3, 3])) for frame in model.frames.values()), default=0.0)
     except FactUnavailableError:
         return 0.0
+
+
+def _measure_gantry(model: Model) -> float:
+    """Return the greatest distance of a link frame from the root (m) with what the joints of a gantry travel; 0 if unknown.
+
+    These are prismatic joints between drawn bodies that carry other joints which move: neither fingers, whose limits may be in
+    millimetres as the meshes are, nor the joints that stand for the motion of a mobile base.
+    """
+    try:
+        tree, frames = model.tree, model.frames
+    except FactUnavailableError:
+        return 0.0
+    carrying = {joint.name for one in model.joints if one.is_movable for joint in tree.find_path_to(one.parent)}
+    farthest = dict.fromkeys(tree.order, 0.0)
+    for name in tree.order[1:]:
+        joint = tree.parent_joint[name]
+        is_rail = joint.type == "prismatic" and joint.name in carrying
+        is_rail = is_rail and all(_is_drawn(model, link) for link in (joint.parent, name))
+        farthest[name] = farthest[joint.parent] + (_get_travel(joint) if is_rail else 0.0)
+    return max(
+        (travel + float(np.linalg.norm(frames[name][:3, 3])) for name, travel in farthest.items() if travel),
+        default=0.0,
+    )
+
+
+def _is_drawn(model: Model, link: str) -> bool:
+    """Whether a link of the rigid body of a ``link`` has a shape."""
+    body = [model.link_by_name[name] for name in model.tree.list_body_links(link)]
+    return any(one.visuals or one.collisions for one in body)
+
+
+def _get_travel(joint: Joint) -> float:
+    """Return how far a prismatic joint takes what it carries from its origin (m); 0 if nothing says so."""
+    limits = [abs(joint.get_limit_value(side) or 0.0) for side in ("lower", "upper")]
+    return max(limits) if max(limits) <= _LONGEST_TRAVEL else 0.0
