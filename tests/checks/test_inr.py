@@ -507,6 +507,22 @@ def test_a_point_mass_fixed_to_a_body_is_an_info(tmp_path: Path) -> None:
     assert (finding.message_id, finding.severity) == ("point_fixed", Severity.INFO)
 
 
+@pytest.mark.parametrize(
+    ("more", "message", "words"),
+    [
+        ("", "point", "so the moving body is a point mass"),
+        ("0", "point", "so the moving body is a point mass"),
+        ("0.05", "points", "with ball the moving body has no extent about an axis"),
+    ],
+)
+def test_points_that_are_apart_are_no_point(tmp_path: Path, more: str, message: str, words: str) -> None:
+    ball = link("ball", ZERO.format(1)) + joint("ball_joint", "arm", "ball", xyz=f"0 {more} 0.02") if more else ""
+    arm = ZERO.format(1).replace("<mass", '<origin xyz="0 0 0.02"/><mass')
+    found = find(tmp_path, make_arm(arm, more=ball), "INR004")
+    assert {finding.message_id for finding in found} == {message}
+    assert words in found[0].message
+
+
 def test_a_frame_without_mass_is_no_point(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm(SOUND, more=fixed("frame", ZERO.format(0))), "INR004")
 
@@ -532,6 +548,25 @@ def test_a_negative_moment_on_a_helper_link_is_a_warning(tmp_path: Path, mass: s
     assert finding.message_id == message
     assert (finding.severity == Severity.WARNING) == (message == "helper")
     assert ("merged with arm" in finding.message) == (mass == "0.1" and size == "1e-5")
+
+
+@pytest.mark.parametrize(
+    ("cover", "drawn", "message"),
+    [
+        ({"ixx": -8, "iyy": -8, "izz": 0.5}, "", "negative"),
+        ({"ixx": -8, "iyy": -8, "izz": 0.5}, visual(box("1.732 1.732 9.644")), "negative_sign"),
+        ({"ixx": 8, "iyy": 8, "izz": 0.5}, "", "negative_sign"),  # of the arm
+    ],
+)
+def test_no_sign_is_stray_where_another_link_is_impossible_without_signs(
+    tmp_path: Path, cover: dict[str, float], drawn: str, message: str
+) -> None:
+    """Who subtracts a parallel-axis term does so in all links. The numbers of the drawn part are right but for the sign."""
+    odd = inertial(5, ixx=-0.3, iyy=-0.3, izz=-0.7 if cover["ixx"] < 0 else 0.4)
+    found = find(tmp_path, make_arm(odd, more=fixed("cover", inertial(1, **cover) + drawn)), "INR004")
+    last = next(finding for finding in found if finding.data["link"] == ("cover" if cover["ixx"] < 0 else "arm"))
+    assert last.message_id == message
+    assert (last.cause is None) == (message == "negative")
 
 
 # -- INR011 ---------------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.fixed_joint_lumping import predict_gazebo
 from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.edits import edit_all_numbers
-from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, list_whole_bodies, weigh_body
+from urdfcheck.model.rigid_bodies import POINT_RADIUS, find_merged_body, is_point_mass, list_whole_bodies, weigh_body
 from urdfcheck.model.use.display import is_loaded_for_frames
 from urdfcheck.source.text.values import parse_number
 
@@ -38,6 +38,8 @@ _FORMULAS = {
     "line": "write the third moment too: ½·m·r² for a bar of mass m and radius r",
     "point": "write the inertia tensor: 0.4·m·r² on the diagonal for a ball of mass m and radius r",
 }
+# Moments are those of the drawn part within this share (chosen): undrawn parts change them by less.
+_LIKE_DRAWN = 0.25
 _MEANT_POINT = ", unless a point mass is meant, which only MuJoCo refuses"
 _BY_SHAPE = "compute the tensor from the shape of the part and its mass"
 FUSED = "; merged with {} and everything else fixed to it, the body is possible"
@@ -179,7 +181,7 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
     """
     declared, components = wrong.declared, wrong.declared.components
     repair = _propose_repair(model, declared)
-    only_sign = _is_possible([abs(v) if i in DIAGONAL else v for i, v in enumerate(components)])
+    only_sign = _is_possible_without_signs(declared) and not _has_unexplained_sibling(model, declared)
     message = "negative_sign" if only_sign and not repair.message else "negative"
     return rule.finding(
         message,
@@ -195,6 +197,30 @@ def _build_negative_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor, 
         detail=repair.detail,
         names=", ".join(f"{TENSOR_NAMES[i]} = {components[i]:g}" for i in entries),
         values=" ".join(f'{TENSOR_NAMES[i]}="{abs(components[i]):g}"' for i in entries),
+    )
+
+
+def _is_possible_without_signs(declared: DeclaredTensor) -> bool:
+    return _is_possible([abs(v) if i in DIAGONAL else v for i, v in enumerate(declared.components)])
+
+
+def _has_unexplained_sibling(model: Model, declared: DeclaredTensor) -> bool:
+    """Whether another link has negative moments that are impossible without their signs too: both then have one mistake, as a
+    parallel-axis term that was subtracted, unless the numbers without signs are those of the drawn part."""
+    if not any(
+        any(other.components[i] < 0 for i in DIAGONAL) and not _is_possible_without_signs(other)
+        for other in model.tensors
+    ):
+        return False
+    from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor
+
+    drawn = compute_drawn_tensor(model, declared)
+    if drawn is None:
+        return True
+    expected = [drawn[i][i] for i in range(3)]
+    return any(
+        abs(abs(declared.components[i]) - value) > _LIKE_DRAWN * abs(value)
+        for i, value in zip(DIAGONAL, expected, strict=True)
     )
 
 
@@ -267,7 +293,7 @@ def _check_singular_links(
     refuses in each link before it adds up those that fixed joints connect."""
     placeholders = _describe_placeholders(model, links) if message == "line" else {}
     bodies = {name: body for body in list_whole_bodies(model) for name in body.links} if links else {}
-    alone: list[DeclaredTensor] = []
+    alone: list[tuple[DeclaredTensor, str]] = []
     harmless: list[DeclaredTensor] = []
     for declared in links:
         name = declared.link.name
@@ -277,21 +303,27 @@ def _check_singular_links(
             continue  # not known to the last link, no mass, or a malformed inertial: other rules
         moments = fused.moments
         singular = body.is_movable and moments[0] <= rel_tol * moments[2]
-        (alone if singular else harmless).append(declared)
-    for declared in alone:
+        if singular:
+            is_point = moments[2] <= fused.mass * POINT_RADIUS**2
+            alone.append((declared, "" if is_point else _join_other_masses(model, name, body.links)))
+        else:
+            harmless.append(declared)
+    for declared, others in alone:
         point = NAN if message == "point" and _is_on_joint_axis(model, declared) else "loads it as a point mass"
         of_point = dict.fromkeys(("pinocchio", "drake"), point) if message == "point" else {}
         remedy = _collect_remedy(model, message, [declared], placeholders.get(declared.components))
         if message == "point" and point != NAN:
             remedy["remedy"] += _MEANT_POINT  # the textbook's pendulum is one
+        is_of_points = message == "point" and others
         yield rule.finding(
-            message,
+            "points" if is_of_points else message,
             at=declared.element,
             severity=Severity.INFO if is_loaded_for_frames(model) else Severity.WARNING,
             cause="placeholder" if declared.components in placeholders else None,
-            consequences={**of_point, **_predict_mujoco(message, [declared])},
+            consequences={**({} if is_of_points else of_point), **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
+            others=others,
             **remedy,
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
@@ -312,6 +344,12 @@ def _check_singular_links(
                 refusal="; MuJoCo refuses it" if group is refused else "",
                 **_collect_remedy(model, message, group, shared),
             )
+
+
+def _join_other_masses(model: Model, name: str, body: Sequence[str]) -> str:
+    """Name the links of a ``body`` that have mass, without the one of this ``name``."""
+    heavy = {declared.link.name for declared in model.masses if declared.mass > 0}
+    return join_names(other for other in body if other != name and other in heavy)
 
 
 def _describe_placeholders(model: Model, lines: Sequence[DeclaredTensor]) -> dict[tuple[float, ...], str]:
