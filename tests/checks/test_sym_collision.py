@@ -100,6 +100,23 @@ def test_another_part_may_have_another_shape(tmp_path: Path, other: str) -> None
     assert not find_odd(tmp_path, other, *make_limbs(THIGH)[1:])
 
 
+@pytest.mark.parametrize(
+    ("name", "file", "count"),
+    [
+        ("counter_middle", "counter_middle.dae", 0),
+        ("counter_middle", "counter_left.dae", 1),  # the same mesh
+        ("counter_middle_left", "counter_middle.dae", 1),
+    ],
+)
+@pytest.mark.parametrize("sides", [("left", "right"), ("left",)])
+def test_what_is_between_two_sides_may_be_another_part(
+    tmp_path: Path, name: str, file: str, count: int, sides: tuple[str, ...]
+) -> None:
+    parts = [make_part(f"counter_{s}", visual(mesh(f"counter_{s}.dae")), collision(box("1 1 1"))) for s in sides]
+    odd = make_part(name, visual(mesh(file)), collision(box("1 3 1")))
+    assert len(find_odd(tmp_path, odd, *parts)) == count
+
+
 def test_two_against_two_show_nothing(tmp_path: Path) -> None:
     own, other = collision(sphere(0.1)), collision(sphere(0.2))
     parts = [make_part(name, own if i < 2 else other) for i, name in enumerate(NAMES)]

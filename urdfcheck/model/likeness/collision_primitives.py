@@ -13,7 +13,7 @@ from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.likeness.symmetry import LinkSignature, group_by_signature
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.sibling_joints import compute_link_signature
-from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.likeness.side_names import names_side, remove_places
 from urdfcheck.model.parts import Link, Shape
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.bounds import compute_bounding_box
@@ -99,7 +99,7 @@ def find_odd_primitives(model: Model, group: Sequence[Link], *, differ: float) -
         odd = _find_odd_link(group, is_same)
         if odd is not None:
             siblings = tuple(link for link in group if link is not odd)
-            if _are_drawn_differently(odd, siblings[0], is_same_size):
+            if _are_drawn_differently(odd, siblings[0], is_same_size) or _is_between(model, odd, siblings):
                 return None
             own, expected = _list_unmatched(odd.collisions, siblings[0].collisions, is_same)
             return OddPrimitives(
@@ -136,6 +136,8 @@ def compare_two(model: Model, group: Sequence[Link], *, differ: float) -> OddPri
         one, other = other, one
     own, expected = _list_unmatched(one.collisions, other.collisions, is_same_size)
     if not (own or expected) or _are_drawn_differently(one, other, is_same_size):
+        return None
+    if _is_between(model, one, [other]) or _is_between(model, other, [one]):
         return None
     if not is_certain and any(len(remove_places(link.name)) == len(split_name_words(link.name)) for link in group):
         return None
@@ -244,6 +246,20 @@ def _are_drawn_differently(one: Link, other: Link, is_same: Callable[[Shape, Sha
     """Whether two links draw different primitives; of meshes, their surfaces agree (see `list_equal_parts`)."""
     drawn = [[shape for shape in link.visuals if shape.kind != "mesh"] for link in (one, other)]
     return any(_list_unmatched(drawn[0], drawn[1], is_same))
+
+
+def _is_between(model: Model, link: Link, others: Sequence[Link]) -> bool:
+    """Whether a link is on no side, where all ``others`` are, and draws meshes of its own that could not be read: the part in the
+    middle may be another than those at its left and right, with the numbers copied."""
+    if names_side(link.name) or not all(names_side(other.name) for other in others):
+        return False
+    own = _list_unread_files(model, link)
+    return bool(own) and not any(own & _list_unread_files(model, other) for other in others)
+
+
+def _list_unread_files(model: Model, link: Link) -> set[str]:
+    files = (s.mesh_filename for s in link.visuals if model.meshes.get_facts(s) is None)
+    return {file.value for file in files if file is not None}
 
 
 def _get_part_name(name: str) -> tuple[str, ...]:

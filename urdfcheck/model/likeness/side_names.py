@@ -18,12 +18,13 @@ _MOST = 4
 
 
 # What a word of a name says of the place of a part that there is several times: sides, ends, and both in one.
-_PLACES = frozenset(
+_SIDE_WORDS = frozenset(
     {
-        *("left", "right", "front", "rear", "back", "hind", "middle", "l", "r", "f", "b", "h", "m"),
+        *("left", "right", "l", "r"),
         *(a + b for side in "lr" for end in "frbhm" for a, b in ((side, end), (end, side))),
     }
 )
+_PLACES = _SIDE_WORDS | {"front", "rear", "back", "hind", "middle", "f", "b", "h", "m"}
 
 
 def remove_places(name: str) -> tuple[str, ...]:
@@ -33,6 +34,11 @@ def remove_places(name: str) -> tuple[str, ...]:
     """
     words = tuple(word.lower() for word in split_name_words(name))
     return tuple(word for word in words if word not in _PLACES) or words
+
+
+def names_side(name: str) -> bool:
+    """Whether a word of a name says left or right, alone or with an end."""
+    return any(word.lower() in _SIDE_WORDS for word in split_name_words(name))
 
 
 def pair_by_name(names: Iterable[str]) -> Iterator[tuple[str, str]]:
