@@ -270,6 +270,35 @@ def test_a_place_that_is_a_little_off_in_two_coordinates_is_of_another_export(
 
 
 @pytest.mark.parametrize(
+    ("ranges", "severity"),
+    [
+        (("0 0", "0 0"), Severity.INFO),
+        (("-0.001 0.001", "-0.001 0.001"), Severity.INFO),
+        (("-1 1", "-1 1"), Severity.WARNING),
+    ],
+)
+def test_the_axes_of_joints_without_room_are_a_note(
+    tmp_path: Path, ranges: tuple[str, str], severity: Severity
+) -> None:
+    robot = with_(copy.deepcopy(ROBOT), "joint[@name='right_hand_joint']/axis", xyz="0.02 0 1")
+    for side, span in zip(("left", "right"), ranges, strict=True):
+        lower, upper = span.split()
+        robot = with_(robot, f"joint[@name='{side}_hand_joint']/limit", lower=lower, upper=upper)
+    finding = one(tmp_path, robot)
+    assert (finding.message_id, finding.severity) == ("axis", severity)
+    assert ("no room" in finding.consequences["pinocchio"]) == (severity is Severity.INFO)
+
+
+@pytest.mark.parametrize(("span", "severity"), [(0, Severity.INFO), (1, Severity.WARNING)])
+def test_the_effort_of_joints_without_room_is_a_note(tmp_path: Path, span: float, severity: Severity) -> None:
+    robot = with_(copy.deepcopy(ROBOT), "joint[@name='right_hand_joint']/limit", effort="4")
+    for side in ("left", "right"):
+        robot = with_(robot, f"joint[@name='{side}_hand_joint']/limit", lower=str(-span), upper=str(span))
+    finding = one(tmp_path, robot)
+    assert (finding.message_id, finding.severity) == ("limits_pair", severity)
+
+
+@pytest.mark.parametrize(
     ("velocities", "severity"),
     [(("1000", "100"), Severity.INFO), (("17453", "3"), Severity.INFO), (("10", "1"), Severity.WARNING)],
 )

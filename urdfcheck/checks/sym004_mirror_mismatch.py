@@ -28,7 +28,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.model import DeclaredTensor, Joint, Link, Model
-from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
+from urdfcheck.model.inertials.habits.minor_findings import has_room, set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
@@ -108,6 +108,8 @@ _SAME_PAIRS = 4
 _UNREACHED = 100.0
 # No drive turns a joint so fast (rad/s or m/s), as for JNT007.
 _NO_DRIVE = 1e4
+# What programs do with an axis about which the limits leave no room.
+_UNMOVED = dict.fromkeys(("pinocchio", "gazebo", "mujoco"), "loads it: the limits leave the joints no room")
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -144,7 +146,8 @@ def _check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[
             related=mistake.related,
             cause=mistake.cause,
             edits=mistake.edits,
-            severity=Severity.INFO if mistake.is_minor else None,
+            severity=Severity.INFO if mistake.is_minor or mistake.is_unmoved else None,
+            consequences=_UNMOVED if mistake.is_unmoved else None,
             **mistake.data,
         )
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set()}
@@ -758,6 +761,8 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         mismatch.is_axis_negated or is_decimal or _may_be_in_degrees(joint)
     )
     severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
+    if not any(map(has_room, (joint, twin))):
+        severity = Severity.INFO
     return rule.finding(
         message,
         at=limits[0],

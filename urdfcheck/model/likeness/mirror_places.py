@@ -11,6 +11,7 @@ import numpy as np
 from urdfcheck.core import Edit, Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_point, join_names, split_name_words
+from urdfcheck.model.inertials.habits.minor_findings import has_room
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair
 from urdfcheck.model.likeness.mirrored_joints import TURNING, MisplacedJoint, find_misplaced_joint
 from urdfcheck.model.likeness.odd_limbs import OddNumbers, iter_odd_numbers
@@ -39,6 +40,8 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# Messages that are about the directions of axes alone.
+_OF_AXES = frozenset({"axis", "opposed", "steering", "together", "crosswise", "reversed"})
 # Metres within which two exports of one assembly differ in several coordinates, each by this share of the distance (chosen).
 _MINOR, _NOTABLE = 5e-3, 0.2
 # A place is off along an axis where it is off by no more than this share in other directions, and an axis is across a line that
@@ -82,6 +85,12 @@ class PlaceMistake:
     cause: str | None = None
     is_minor: bool = False
     """Whether it is little, and no single number is the mistake: two exports of one assembly differ so."""
+
+    @property
+    def is_unmoved(self) -> bool:
+        """Whether it is in the axes of joints whose limits leave no room: nothing turns about them."""
+        is_of_axes = self.message in _OF_AXES or self.data.get("what") == "axis"
+        return is_of_axes and not any(map(has_room, self.joints))
 
 
 def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
