@@ -48,6 +48,32 @@ def test_a_mass_that_is_no_rounding_or_a_tensor_that_rules_its_body_is_felt(
     assert not note or note in {finding.message_id for finding in found}
 
 
+@pytest.mark.parametrize(
+    ("axis", "moment", "distance", "note"),
+    [
+        ("0 1 0", 2e-5, 0.22, True),
+        ("0 1 0", 2e-4, 0.22, False),  # a tenth of the leg's moment
+        ("0 1 0", 2e-5, 0.0, False),  # at the knee itself
+        ("0 0 1", 2e-5, 0.22, False),  # the leg turns about its own length
+    ],
+)
+def test_a_toe_adds_its_mass_to_a_leg_and_its_tensor_does_not_count(
+    tmp_path: Path, axis: str, moment: float, distance: float, note: bool
+) -> None:
+    """The rod of a leg has next to no moment about its length, about which no joint turns it."""
+    shin = inertial(0.05, com="0 0 0.1", ixx=1.67e-4, iyy=1.67e-4, izz=2e-6)
+    text = robot(
+        HULL,
+        link("shin", shin, visual(box("0.017 0.009 0.2"), xyz="0 0 0.1")),
+        link("toe", inertial(0.01, moment), visual(box("0.03 0.03 0.03"))),
+        joint("knee", "hull", "shin", kind="continuous", axis=axis),
+        joint("end", "shin", "toe", xyz=f"0 0 {distance}"),
+    )
+    (finding,) = find(tmp_path, text, "INR007")
+    assert (finding.message_id == "absorbed") == note
+    assert (finding.severity is Severity.INFO) == note
+
+
 @pytest.mark.parametrize(("mass", "severity"), [("0.001", Severity.INFO), ("0.1", Severity.WARNING)])
 def test_the_com_of_a_mark_makes_no_difference(tmp_path: Path, mass: str, severity: Severity) -> None:
     text = make_carrier(float(mass), moment=float(mass) * 4e-4, com="0.2 0 0", kind="revolute", more=OPEN)

@@ -28,6 +28,8 @@ LOST_SHARE = 5e-4
 # A link counts for what feels it from this share of the mass or of a moment there (chosen: below what the friction of a joint and
 # the weight of its cable hide).
 _FELT = 0.02
+# Axes are parallel within 1°, as a cosine.
+_PARALLEL = 1 - 1.5e-4
 # A link of a gram (kg) marks a place, wherever its COM is, however it is moved.
 _MARK = 1e-3
 _LINK = re.compile(r"link\[(.*?)\](?=[/@]|$)", re.DOTALL)
@@ -48,11 +50,11 @@ def is_lost(model: Model, link: Link) -> bool:
 
 def are_absorbed(model: Model, links: Sequence[Link]) -> bool:
     """Whether each of some links is a small part of what moves with it, on the base the whole robot, which has about the same
-    moments with the tensors that the links draw at their masses. The others count with the smaller one of the tensors that are
-    written and drawn: theirs may be as wrong."""
+    moments with the tensors that the links draw at their masses, or has them about all axes about which it can turn. The others
+    count with the smaller one of the tensors that are written and drawn: theirs may be as wrong."""
     names = {link.name for link in links}
     try:
-        return all(_is_absorbed(model, link, names) for link in links)
+        return all(_is_absorbed(model, link, names) or _turns_as_drawn(model, link, names) for link in links)
     except FactUnavailableError:
         return False
 
@@ -64,17 +66,56 @@ def _is_absorbed(model: Model, link: Link, wrong: set[str]) -> bool:
         return False  # nothing is drawn, or nothing can be read
     if joint is None:  # the wheels of a base turn with it
         moved = [one.name for one in model.links]
-    others = [_list_numbers(model, model.link_by_name[name]) for name in moved if name not in wrong]
-    rest = [numbers[1], *(min(some, key=_get_size) for some in others if np.isfinite(some[0][2]).all())]
-    total = sum(mass for mass, _, _ in rest)
-    com = sum((mass * place for mass, place, _ in rest), np.zeros(3)) / total
-    whole = sum((own + compute_parallel_axis_term(mass, at - com) for mass, at, own in rest), np.zeros((3, 3)))
+    rest = _list_least(model, moved, wrong, numbers[1])
+    whole = _add_up(rest)
     written, drawn = (own for _, _, own in numbers)  # where the COM is, is another matter
     share = 1.0 / len(wrong & set(moved))
     if not _is_small((written - drawn) / share, whole):
         return False
     is_turned = joint is not None and joint.type in _TURNING
     return joint is None or not (is_turned and _is_felt_about(model, joint, [numbers[0]], rest, share))
+
+
+def _turns_as_drawn(model: Model, link: Link, wrong: set[str]) -> bool:
+    """Whether a link is fixed to what a joint turns, which has about the same moment about its axis with the tensor that the link
+    draws: a toe at the end of a leg adds what its mass does at that distance.
+
+    Joints before it whose axes have another direction turn the link about other axes, and so does a base that moves: what they
+    turn has about the same moments about any axis.
+    """
+    numbers, (joint, moved) = _list_numbers(model, link), _find_moved_links(model, link.name)
+    if len(numbers) != 2 or joint is None or joint.type not in _TURNING or joint.child == link.name:
+        return False
+    change = numbers[0][2] - numbers[1][2]
+    first = _place_axis(model, joint)
+    while joint is not None:
+        rest = _list_least(model, moved, wrong, numbers[1])
+        share = 1.0 / len(wrong & set(moved))
+        place, axis = _place_axis(model, joint)
+        is_parallel = joint.type in _TURNING and abs(float(axis @ first[1])) > _PARALLEL
+        if is_parallel and not abs(float(axis @ change @ axis)) < share * _FELT * _compute_moment(rest, place, axis):
+            return False
+        if not is_parallel and joint.type not in _SLIDING and not _is_small(change / share, _add_up(rest)):
+            return False
+        joint, moved = _find_moved_links(model, joint.parent)
+    everything = [one.name for one in model.links]
+    rest, share = _list_least(model, everything, wrong, numbers[1]), 1.0 / len(wrong)
+    return _is_small(change / share, _add_up(rest))
+
+
+def _list_least(
+    model: Model, names: Sequence[str], wrong: set[str], own: tuple[float, Array, Array]
+) -> list[tuple[float, Array, Array]]:
+    """List the ``own`` numbers, and those of some links but the ``wrong`` ones: the smaller of what is written and drawn."""
+    others = [_list_numbers(model, model.link_by_name[name]) for name in names if name not in wrong]
+    return [own, *(min(some, key=_get_size) for some in others if np.isfinite(some[0][2]).all())]
+
+
+def _add_up(parts: Sequence[tuple[float, Array, Array]]) -> Array:
+    """Return the tensor (3, 3) of several bodies about their common COM."""
+    total = sum(mass for mass, _, _ in parts)
+    com = sum((mass * place for mass, place, _ in parts), np.zeros(3)) / total
+    return sum((own + compute_parallel_axis_term(mass, at - com) for mass, at, own in parts), np.zeros((3, 3)))
 
 
 def _get_size(numbers: tuple[float, Array, Array]) -> float:
@@ -219,19 +260,20 @@ def _is_felt_about(
     share: float = 1.0,
 ) -> bool:
     """Whether a part has its share of the moment about the axis of a joint; ``share``: of what it may have there."""
+    place, axis = _place_axis(model, joint)
+    return not _compute_moment(part, place, axis) < share * _FELT * _compute_moment(rest, place, axis)
+
+
+def _place_axis(model: Model, joint: Joint) -> tuple[Array, Array]:
+    """Return a point (3,) on the axis of a joint, and its direction (3,), which is zero for an axis of zeros."""
     frame = model.piece_frames[joint.child]
     axis = frame[:3, :3] @ np.array(joint.axis or (1.0, 0.0, 0.0))
-    length = float(np.linalg.norm(axis))
-    if not length > 0.0:
-        return True
-    axis, centre = axis / length, frame[:3, 3]
+    return frame[:3, 3], axis / max(float(np.linalg.norm(axis)), 1e-300)
 
-    def compute_moment(numbers: list[tuple[float, Array, Array]]) -> float:
-        return sum(
-            float(axis @ (own + compute_parallel_axis_term(mass, at - centre)) @ axis) for mass, at, own in numbers
-        )
 
-    return not compute_moment(part) < share * _FELT * compute_moment(rest)
+def _compute_moment(numbers: Sequence[tuple[float, Array, Array]], place: Array, axis: Array) -> float:
+    """Compute the moment of some bodies about an ``axis`` (3,) through a ``place`` (3,)."""
+    return sum(float(axis @ (own + compute_parallel_axis_term(mass, at - place)) @ axis) for mass, at, own in numbers)
 
 
 def _find_moved_links(model: Model, name: str) -> tuple[Joint | None, list[str]]:
