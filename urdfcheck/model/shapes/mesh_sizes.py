@@ -32,7 +32,7 @@ _MAX_CONVERSION_SCALE = 0.03
 _ENLARGED = 20.0
 # A part that measures more than this in all three directions (m) is not a ground plane or a wall.
 _MIN_ENLARGED = 1.0
-# No published robot has a mesh more than 2.2 times as long as its reach. The rail of a gantry, and the hall in which it is, are as
+# No published robot has a mesh more than 2.2 times as long as its reach. The rail of a gantry, and the hall around it, are as
 # long as what the gantry travels.
 _LIKE_GANTRY = 2.2
 # A limit beyond this (m) is a number that stands for none (chosen).
