@@ -214,6 +214,23 @@ def test_the_com_of_a_base_that_is_bolted_down_is_not_reported(tmp_path: Path) -
     assert not find(tmp_path, arm("world"), "INR009")
 
 
+@pytest.mark.parametrize("ground", ["", link("ground") + joint("free", "ground", "base", kind="floating")])
+@pytest.mark.parametrize(("carried", "found"), [(1.0, True), (10.0, False)])
+def test_a_com_at_the_origin_on_a_base_counts_for_all_that_the_base_carries(
+    tmp_path: Path, carried: float, found: bool, ground: str
+) -> None:
+    anchor = inertial(1, ixx=1.5e-4, iyy=1.5e-4, izz=1.5e-4), visual(box("0.03 0.03 0.03"), xyz="0 0 0.015")
+    text = robot(
+        link("base", inertial(9, ixx=0.1, iyy=0.1, izz=0.15), visual(box("0.26 0.26 0.26"))),
+        link("anchor", *anchor),
+        link("torso", inertial(carried, 0.1)),
+        joint("bolts", "base", "anchor", xyz="0.1 0 0.2"),
+        joint("turns", "base", "torso", kind="continuous"),
+        ground,
+    )
+    assert bool(find(tmp_path, text, "INR009")) == found
+
+
 @pytest.mark.parametrize(
     ("world", "wheel", "found"), [("world", "arm", False), ("stand", "arm", True), ("world", "wheel", True)]
 )

@@ -292,9 +292,18 @@ def _moves_body(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
 
 
 def _compute_mass_of_body(model: Model, link: Link) -> float:
-    """Compute the mass (kg) of the rigid body that a link is part of; zero where it is not known."""
+    """Compute the mass (kg) of the rigid body that a link is part of, and of all that it carries if it is the base; zero where it
+    is not known."""
     try:
-        return compute_body_mass(model, model.pieces.list_body_links(link.name)) or 0.0
+        pieces = model.pieces
+        links = pieces.list_body_links(link.name)
+        own = compute_body_mass(model, links) or 0.0
+        above = pieces.parent_joint.get(links[0])
+        if len(links) == 1 or (above is not None and above.type != "floating"):
+            return own
+        paths = {name: pieces.find_path_to(name) for name in pieces.order if name not in links}
+        carried = [name for name, path in paths.items() if any(joint.parent in links for joint in path)]
+        return compute_body_mass(model, (*links, *carried)) or own
     except FactUnavailableError:
         return 0.0
 
