@@ -323,7 +323,7 @@ def _check_singular_links(
             consequences={**({} if is_of_points else of_point), **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
-            others=others,
+            **({"others": others} if is_of_points else {}),
             **remedy,
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
