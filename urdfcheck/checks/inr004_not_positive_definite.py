@@ -314,7 +314,9 @@ def _check_singular_links(
         remedy = _collect_remedy(model, message, [declared], placeholders.get(declared.components))
         if message == "point" and point != NAN:
             remedy["remedy"] += _MEANT_POINT  # the textbook's pendulum is one
-        is_of_points = message == "point" and others
+        is_of_points = message == "point" and bool(others)
+        if is_of_points:
+            remedy["others"] = others
         yield rule.finding(
             "points" if is_of_points else message,
             at=declared.element,
@@ -323,7 +325,6 @@ def _check_singular_links(
             consequences={**({} if is_of_points else of_point), **_predict_mujoco(message, [declared])},
             links=_format_masses([declared]),
             names=declared.link.name,
-            **({"others": others} if is_of_points else {}),
             **remedy,
         )
     refused = [declared for declared in harmless if message == "line" and is_refused_by_mujoco(declared.components)]
