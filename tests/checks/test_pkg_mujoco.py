@@ -74,3 +74,44 @@ def test_the_repair_adds_no_second_element_which_mujoco_refuses(tmp_path: Path, 
     assert len(load_mesh_sizes(tmp_path, file, before=repair.format(""))) == 1
     with pytest.raises(ValueError, match="repeated element"):
         load_mesh_sizes(tmp_path, file, before=f"<mujoco/>{repair.format('')}")
+
+
+@pytest.mark.skipif(int(mujoco.__version__.partition(".")[0]) < 4, reason="an older MuJoCo strips folders")
+@pytest.mark.parametrize(
+    ("options", "told", "repaired"),
+    [
+        ('meshdir="left/"', 'write strippath="true" beside it', 'meshdir="left/" strippath="true"'),
+        ('meshdir="right"', 'which puts meshdir="right" before each path, delete that', ""),
+        ('strippath="true"', "opens it beside the model: delete that", ""),
+        ('meshdir="right" strippath="true"', 'puts meshdir="right" before it: delete both', ""),
+        ('meshdir="."', "", 'meshdir="."'),
+        ("", "", ""),
+    ],
+)
+def test_the_path_from_the_model_is_named_with_what_mujoco_needs_for_it(
+    tmp_path: Path, options: str, told: str, repaired: str
+) -> None:
+    (tmp_path / ".git").mkdir()
+    old, new = "package://gone/left/finger.obj", "left/finger.obj"
+    before = "<mujoco><compiler {}/></mujoco>"
+    if options != 'meshdir="right" strippath="true"':  # it loads a file of the same name
+        with pytest.raises(ValueError, match="Error opening file"):
+            load_mesh_sizes(tmp_path, old, before=before.format(options))
+    else:
+        load_mesh_sizes(tmp_path, old, before=before.format(options))
+    (finding,) = find(tmp_path, (tmp_path / "hand.urdf").read_text(encoding="utf-8"), "PKG001", name="hand.urdf")
+    assert finding.fix is not None
+    assert f"`{new}`" in finding.fix.title
+    assert told in finding.fix.title
+    assert bool(told) == ("MuJoCo" in finding.fix.title)
+    (small,) = load_mesh_sizes(tmp_path, new, before=before.format(repaired))
+    assert small < 0.2
+
+
+@pytest.mark.parametrize("file", ["finger.obj", "gone/finger.obj"])
+def test_what_mujoco_finds_by_its_options_is_missing_for_the_others_only(tmp_path: Path, file: str) -> None:
+    strip = "true" if "/" in file else "false"
+    before = f'<mujoco><compiler meshdir="left" strippath="{strip}"/></mujoco>'
+    assert len(load_mesh_sizes(tmp_path, file, before=before)) == 1
+    (finding,) = find(tmp_path, (tmp_path / "hand.urdf").read_text(encoding="utf-8"), "PKG002", name="hand.urdf")
+    assert finding.consequences["mujoco"] == "loads it: its <compiler> says where the files are"

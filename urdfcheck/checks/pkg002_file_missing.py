@@ -14,6 +14,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.launch.built_files import find_making_build, is_git_ignored
 from urdfcheck.source.load import Source
+from urdfcheck.source.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.similar_files import (
@@ -190,6 +191,7 @@ def _build_finding(
     outside = {} if argued or elsewhere else _find_outside(gap, source)
     here = {} if argued or elsewhere or similar_files or owners or outside else _find_files_here(gap, source)
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
+    mujoco = describe_mujoco_path(outside.values(), source) if outside else ""
     is_explained = bool(argued or outside or elsewhere or near or here)
     beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
     # No program of the robot loads such a model, as in PKG001.
@@ -214,10 +216,10 @@ def _build_finding(
         at=at,
         related=[*related.values(), *places],
         severity=Severity.INFO if kept or build else None,
-        edits=_propose_edits(outside, source),
+        edits=[] if mujoco else _propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         lost=name_lost_shapes(use.attribute.owner for use in gap.uses),
-        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}"
+        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}{mujoco}"
         if own
         else describe_project_path(here.values(), source)
         if here

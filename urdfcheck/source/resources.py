@@ -11,6 +11,7 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
+from urdfcheck.source.mujoco_paths import describe_mujoco_path, is_found_by_mujoco
 from urdfcheck.source.package.finder import Package, PackageFinder, Resource
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.ros.dependencies import find_dependent_in_project
@@ -198,8 +199,9 @@ def find_in_project(use: ResourceUse, source: Source) -> Path | None:
 
 def describe_project_path(files: Iterable[Path], source: Source) -> str:
     """Say how programs find the files of a project that is not a package; the first of ``files`` is the example."""
-    own = format_path_from_model(next(iter(files)), source)
-    return f"write the path from this file, `{own}`, for programs without ROS; ROS needs a package.xml and its name"
+    paths = list(files)
+    own, mujoco = format_path_from_model(paths[0], source), describe_mujoco_path(paths, source)
+    return f"write the path from this file, `{own}`, for programs without ROS{mujoco}; ROS needs a package.xml and its name"
 
 
 def find_above(use: ResourceUse, source: Source) -> Path | None:
@@ -233,6 +235,8 @@ def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[s
     missing = list(uses)
     parts = [use.attribute.owner for use in missing]
     told = describe_missing_mesh(parts) | describe_unread_visuals(parts)
+    if all(is_found_by_mujoco(use.resource.text, source) for use in missing):
+        told["mujoco"] = "loads it: its <compiler> says where the files are"
     if all(find_above(use, source) for use in missing):
         return told | {"bullet": "loads it: it tries the paths in every folder above the model"}
     if _is_only_folder_in_reach(source) and all(use.resource.kind in {"package", "relative"} for use in missing):
