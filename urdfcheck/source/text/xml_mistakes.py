@@ -275,18 +275,58 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
         ]
         return XmlMistake(message, start, end, _join_ways(text, at, ways))
     if around is None:
-        message = f"</{typed}> has no open element to close; <{inner}>, opened in line {line}, is not closed"
         rest = text[_find_tag_end(text, end) :]
-        ways = [
-            (f"write `</{inner}>` in its place", f"{text[:start]}</{opened[-1][0]}>{rest}"),
-            ("delete it", text[:start] + rest),
-        ]
-        return XmlMistake(message, start, end, _join_ways(text, at, ways))
+        in_place = (f"write `</{inner}>` in its place", f"{text[:start]}</{opened[-1][0]}>{rest}")
+        return _describe_surplus_tag(text, at, (start, end), in_place, f"<{inner}>, opened in line {line}")
     message = f"</{typed}> closes <{typed}> of line {around}, but <{inner}>, opened in line {line}, is not closed"
     repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag"
     if len(opened) > 1 and opened[-2][0] == opened[-1][0]:
         repair = f"write `</{inner}>` for the <{inner}> of line {line} if it ends that of line {opened[-2][1]}; else close it"
     return XmlMistake(message, start, end, repair)
+
+
+def _describe_surplus_tag(
+    text: str, at: int, tag: tuple[int, int], in_place: tuple[str, str], around: str
+) -> XmlMistake:
+    """Describe an end tag whose element is closed already, or never opened.
+
+    A parser stops at the last of several end tags, and the one before may be the surplus one.
+
+    :param in_place: what puts the end tag of the innermost open element here, as a repair.
+    :param around: that element.
+    """
+    start, end = tag
+    name, rest = text[start + 2 : end], text[_find_tag_end(text, end) :]
+    message = f"</{_shorten(name)}> has no open element to close"
+    delete = ("delete it", text[:start] + rest)
+    working = _choose_working_repairs(text, at, [in_place, delete])
+    if not working or "delete it" not in working:
+        return XmlMistake(f"{message}; {around}, is not closed", start, end, working[0] if working else _GENERAL_REPAIR)
+    last = _find_last_element(text, name, start)
+    if last is not None and _choose_working_repairs(
+        text, at, [("", text[: last[1]] + text[_find_tag_end(text, last[1]) :])]
+    ):
+        opened, closed = (text.count("\n", 0, offset) + 1 for offset in last)
+        message += f": <{_shorten(name)}> of line {opened} is closed in line {closed}"
+        working[-1] = (
+            f"delete the end tag in line {closed} if the element is to end here; else delete this one, or add its start tag"
+        )
+    else:
+        message += f"; the innermost open one is {around}"
+        working[-1] = "delete it, or add the start tag that is missing"
+    return XmlMistake(message, start, end, ", or ".join(working))
+
+
+def _find_last_element(text: str, name: str, end: int) -> tuple[int, int] | None:
+    """Return where the last element of a name with an end tag before an offset begins, and where that tag is."""
+    tags = re.compile(rf"<!--.*?-->|<(/?){re.escape(name)}(?=[\s/>])[^<>]*>", re.DOTALL)
+    opened, last = list[int](), None
+    for tag in tags.finditer(text, 0, end):
+        if tag[1] == "/" and opened:
+            last = opened.pop(), tag.start()
+        elif tag[1] == "" and not tag[0].endswith("/>"):
+            opened.append(tag.start())
+    return last
 
 
 def _find_empty_element(text: str, name: str, end: int) -> int | None:
