@@ -11,11 +11,11 @@ import re
 from collections.abc import Iterable, Iterator
 from dataclasses import field, replace
 from functools import lru_cache
-from pathlib import Path
+from pathlib import Path, PureWindowsPath
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, read_xacro_source
 from urdfcheck.source.model_file import compile_includes, may_compute_name, names_file
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import (
@@ -25,6 +25,7 @@ from urdfcheck.source.package.package_folders import (
     iter_package_texts,
     read_package_texts,
 )
+from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
@@ -269,11 +270,34 @@ def is_unused(source: Source) -> bool:
 
 def is_certainly_left_aside(source: Source) -> bool:
     """Whether files of the model's package, or of those that depend on it, name other models and not this one. False without
-    a package, and where one of them computes such a name."""
+    a package, where one of them computes such a name, and where xacro made a model of the package of this one."""
     if source.package is None:
         return False
     texts = list(read_project_texts(source))
-    return name_other_models_only(texts, source.path.name) and not any(map(_COMPUTED_FILE.search, texts))
+    names_others = name_other_models_only(texts, source.path.name) and not any(map(_COMPUTED_FILE.search, texts))
+    return names_others and not _is_kept_as_source(source)
+
+
+@lru_cache(maxsize=1)  # several rules ask
+def _is_kept_as_source(source: Source) -> bool:
+    """Whether xacro made another file here of the model, as the header of that file says."""
+    own = source.path.absolute()
+    for folder, package_name in _iter_using_folders(source):
+        for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
+            if (
+                path.suffix.lower() not in _INCLUDED_SUFFIXES
+                or path.absolute() == own
+                or not source.finder.can_open(path)
+            ):
+                continue
+            text = read_text_or_nothing(path, _MAX_BYTES)
+            made_of = read_xacro_source(text) if package_name in text else None
+            if made_of is not None and PureWindowsPath(made_of).name == own.name:
+                found = find_files_elsewhere(made_of, path, source.finder)
+                beside = [file for file in found if file.parent == path.absolute().parent]
+                if own in (beside or found):
+                    return True
+    return False
 
 
 def name_other_models_only(texts: Iterable[str], own: str) -> bool:
@@ -344,6 +368,7 @@ def _iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tu
 def is_named_nowhere(source: Source) -> bool:
     """Whether no file of the model's package, or of one that names the package, names the model's file outside comments.
 
+    The header that xacro writes is such a comment, and names what the file was made of all the same.
     False without a package, and where a file computes such a name.
     """
     if source.package is None:
@@ -367,7 +392,7 @@ def is_named_nowhere(source: Source) -> bool:
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
             ):
                 return False
-    return True
+    return not _is_kept_as_source(source)
 
 
 def is_kept_output(source: Source) -> bool:
