@@ -665,3 +665,28 @@ def test_a_package_that_a_declared_released_one_brings_is_only_missing_here(tmp_
     (finding,) = check(tmp_path / "cell/urdf/r.urdf.xacro", codes={"PKG001"}).findings
     assert finding.message_id == "expansion-declared"
     assert "package.xml of ur_robot_driver depends on it" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("files", "noted", "told"),
+    [
+        ({"gazebo.launch": "gazebo_ros", "ros_controllers.launch": "controller_manager"}, True, set()),
+        ({"gazebo.launch": "gazebo_ros"}, False, {"gazebo_ros"}),
+        ({"gazebo.launch": "gazebo_ros", "simulate.launch": "gazebo_ros"}, True, {"gazebo_ros"}),
+        ({"gazebo.launch": "gazebo_ros", "demo.launch": "rviz"}, True, {"rviz"}),
+        ({"gazebo.launch": "joy"}, True, {"joy"}),
+    ],
+    ids=["the template's", "of no setup assistant", "another file", "another package", "of another file"],
+)
+def test_what_the_setup_assistant_leaves_out_is_left_to_the_user(
+    tmp_path: Path, files: dict[str, str], noted: bool, told: set[str]
+) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "p_moveit_config/package.xml", text="<package><name>p_moveit_config</name></package>")
+    for name, package in files.items():
+        text = f'<launch><include file="$(find {package})/launch/a.launch"/></launch>'
+        write(tmp_path, f"p_moveit_config/launch/{name}", text=text)
+    if noted:
+        write(tmp_path, "p_moveit_config/.setup_assistant")
+    found = check(tmp_path, codes={"PKG007"}).findings
+    assert {name for finding in found for name in finding.data["names"]} == told

@@ -27,6 +27,7 @@ from urdfcheck.source.package.references import (
     read_package_contents,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
+from urdfcheck.source.package.setup_templates import is_left_out_by_template
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
 from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
@@ -395,7 +396,7 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
     """Whether the file that names a package is kept in a folder of what is no longer used, is an example, or is a launch file
-    that no program can read.
+    that no program can read, or that MoveIt's setup assistant writes without declaring the package.
 
     An example may need more than the package does.
     """
@@ -404,6 +405,8 @@ def _is_aside(use: PackageMention, package: Package) -> bool:
     if use.location.span is None:
         return False
     file = Path(use.location.span.file)
+    if is_left_out_by_template(use.package, file, package.path):
+        return True
     return is_kept_aside(file, package.path) or (_are_in_launch_files([use]) and _is_malformed(file))
 
 

@@ -1,0 +1,35 @@
+"""What MoveIt's setup assistant leaves out of the package.xml that it writes with its launch files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from urdfcheck.source.ros.srdf import SETUP_FILE
+from urdfcheck.system.files import note_lookup
+
+# The packages that the launch files of its templates name and that its package.xml does not, by the file. The last templates of
+# ROS 1 and those before them were read: what the last ones declare was forgotten earlier, and is not listed.
+_LEFT_OUT = {
+    "default_warehouse_db.launch": {"moveit_ros_warehouse"},
+    "gazebo.launch": {"controller_manager", "gazebo_ros"},
+    "joystick_control.launch": {"joy"},
+    "ros_controllers.launch": {"controller_manager"},
+    "run_benchmark_ompl.launch": {"moveit_ros_benchmarks"},
+    "run_benchmark_server_ompl.launch": {"moveit_ros_benchmarks"},
+    "run_benchmark_trajopt.launch": {
+        *("moveit_resources", "moveit_resources_panda_moveit_config", "moveit_ros_benchmarks", "panda_moveit_config"),
+    },
+    "warehouse.launch": {"warehouse_ros", "warehouse_ros_mongo"},
+}
+
+
+def is_left_out_by_template(name: str, file: Path, package: Path) -> bool:
+    """Whether a file of a package is one that the setup assistant writes, and it leaves out the package that the file names.
+
+    The launch files for Gazebo, the warehouse and benchmarks are there for those who want them and install what they need.
+    """
+    is_there = file.parent.name == "launch" and name in _LEFT_OUT.get(file.name, ())
+    if not is_there:
+        return False
+    note_lookup(package / SETUP_FILE)
+    return (package / SETUP_FILE).is_file()
