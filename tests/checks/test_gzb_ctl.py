@@ -580,6 +580,22 @@ def test_a_frame_that_a_launch_file_publishes_exists(tmp_path: Path) -> None:
         assert messages(package, MERGED + body, "GZB004") == expected
 
 
+@pytest.mark.parametrize(("frame", "expected"), [("elsewhere", []), ("bsae", ["frame"])], ids=["unknown", "a typo"])
+@pytest.mark.parametrize("inside", ["robot", ""], ids=["of a package", "of none"])
+def test_a_frame_may_be_published_by_a_package_that_declares_nothing(
+    tmp_path: Path, frame: str, expected: list[str], inside: str
+) -> None:
+    """Then it is not unknown; one that is spelt like a link may be another robot's."""
+    (tmp_path / ".git").mkdir()
+    for name in filter(None, (inside, "world")):
+        (tmp_path / name).mkdir()
+        (tmp_path / name / "package.xml").write_text(f"<package><name>{name}</name></package>")
+    node = f'<node pkg="tf" type="static_transform_publisher" name="n" args="0 0 0 0 0 0 tip {frame} 100"/>'
+    (tmp_path / "world" / "world.launch").write_text(f"<launch>{node}</launch>")
+    body = block("tip", sensor("imu", f"<gz_frame_id>{frame}</gz_frame_id>"))
+    assert messages(tmp_path / inside, MERGED + body, "GZB004") == expected
+
+
 def test_the_frame_of_a_camera_is_not_guessed_by_its_name(tmp_path: Path) -> None:
     body = block("tip", sensor("camera", RATE + "<gz_frame_id>bsae</gz_frame_id>"))
     assert messages(tmp_path, MERGED + body, "GZB004") == ["frame-elsewhere"]

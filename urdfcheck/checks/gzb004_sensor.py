@@ -178,6 +178,8 @@ def _check_frames(
         meant = respelled or _find_optical_frame(sensor, model) or _guess_frame(frame, sensor, model, taken=taken)
         if meant is None and sensor.reference not in model.link_by_name and sensor.reference not in model.joint_by_name:
             continue  # a block for a part that the robot lacks is ignored, so no data has the frame: GZB001 reports it
+        if meant is None and _is_published(model, frame, in_project=True):
+            continue
         if _is_ignored_frame(model, element):
             yield rule.finding(
                 "frame-ignored",
@@ -227,10 +229,12 @@ def _describe_frame_repair(element: Element, frame: str, meant: str, model: Mode
     return f"write {typed}{meant.removeprefix(frame)}" if meant.startswith(frame) else f"make {typed} give {meant}"
 
 
-def _is_published(model: Model, frame: str) -> bool:
-    from urdfcheck.source.launch.model_launches import is_frame_published  # few models name a frame that is no link
+def _is_published(model: Model, frame: str, *, in_project: bool = False) -> bool:
+    """Whether a launch file of the model's package, or of one that depends on it, or of any one, publishes a frame."""
+    from urdfcheck.source.launch import model_launches  # few models name a frame that is no link
 
-    return is_frame_published(model.source.path, model.source.finder, frame)
+    find = model_launches.is_frame_published_in_project if in_project else model_launches.is_frame_published
+    return find(model.source.path, model.source.finder, frame)
 
 
 def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:

@@ -21,6 +21,7 @@ from urdfcheck.source.launch.passed_arguments import (
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.launch.python_names import NamedText, read_named_texts
 from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_regular
 
 # The name of a yaml file, or what is typed of it behind an expression.
@@ -72,11 +73,17 @@ def find_named_texts(model: Path, finder: PackageFinder, names: Mapping[str, Col
 
 def is_frame_published(model: Path, finder: PackageFinder, frame: str) -> bool:
     """Whether a launch file around a model that starts a static_transform_publisher names a frame, as a word of its text."""
+    return _any_publishes(_iter_launches_around(model, finder), frame)
+
+
+def is_frame_published_in_project(model: Path, finder: PackageFinder, frame: str) -> bool:
+    """Whether such a launch file is anywhere in the model's project, which may be that of another robot."""
+    return _any_publishes(_read_launches([find_project_folder(model.absolute())], finder), frame)
+
+
+def _any_publishes(launches: Iterable[tuple[Path, bytes]], frame: str) -> bool:
     word = re.compile(rb"(?<![\w.-])" + re.escape(frame.encode("utf-8", "surrogatepass")) + rb"(?![\w.-])")
-    return any(
-        b"static_transform_publisher" in data and word.search(data) is not None
-        for _, data in _iter_launches_around(model, finder)
-    )
+    return any(b"static_transform_publisher" in data and word.search(data) is not None for _, data in launches)
 
 
 def may_load_yaml(model: Path, finder: PackageFinder, name: str) -> bool:
@@ -110,7 +117,11 @@ def _iter_launches_around(model: Path, finder: PackageFinder) -> Iterator[tuple[
         return
     others = finder.list_workspace_packages().values()
     folders = [f for f in others if f != package.path and has_dependency_entry(f, package.name) and finder.can_open(f)]
-    files = (path for folder in (package.path, *folders) for path in iter_launch_files(folder, finder))
+    yield from _read_launches([package.path, *folders], finder)
+
+
+def _read_launches(folders: Iterable[Path], finder: PackageFinder) -> Iterator[tuple[Path, bytes]]:
+    files = (path for folder in folders for path in iter_launch_files(folder, finder))
     for path in itertools.islice(files, MOST_LAUNCHES):
         with contextlib.suppress(OSError):
             yield path, read_regular(path, MAX_PYTHON)
