@@ -275,6 +275,31 @@ def test_a_folder_on_the_path_of_gazebo_needs_no_package(tmp_path: Path, readme:
     assert finding.message_id == message
 
 
+@pytest.mark.parametrize(
+    ("path", "user", "message", "severity"),
+    [
+        ("model://wing/../../meshes/a.stl", "", "files-gazebo", Severity.INFO),
+        ("model://wing/../../meshes/a.stl", "Node(package='rviz2')", "files-gazebo", Severity.WARNING),
+        ("package://wing/../../meshes/a.stl", "", "files", Severity.ERROR),
+        ("model://wing/a.stl", "", "files", Severity.ERROR),
+        ("model://wing/../../meshes/a.stl", "load('other.urdf')", "files-gazebo", Severity.INFO),
+        ("package://wing/../../meshes/a.stl", "load('other.urdf')", "files-aside", Severity.INFO),
+    ],
+)
+def test_gazebo_may_find_a_model_of_its_own_where_ros_finds_no_package(
+    tmp_path: Path, path: str, user: str, message: str, severity: Severity
+) -> None:
+    folder = package(tmp_path, "meshes/a.stl", "sdf/wing/model.config")
+    write(tmp_path, {".git/HEAD": "", "p/launch/a.launch.py": user})
+    finding = only(audit(folder, make_mesh_link("a", path)))
+    assert (finding.message_id, finding.severity) == (message, severity)
+    finds = ".." in path
+    assert finding.consequences["gazebo"].startswith("loads the shapes if" if finds else "drops the shapes (")
+    assert ("sdf/wing has" in finding.message) == finds
+    assert finding.fix is not None
+    assert "`package://p/meshes/a.stl`" in finding.fix.title
+
+
 def test_a_folder_of_the_name_that_lacks_the_file_is_not_the_one_that_is_meant(tmp_path: Path) -> None:
     write(tmp_path, {".git/HEAD": "", "arm/meshes/a.stl": "", "arm/robots/arm/r.urdf": ""})
     assert not audit(tmp_path / "arm/robots/arm/r.urdf", make_mesh_link("a", "package://arm/meshes/a.stl")).findings

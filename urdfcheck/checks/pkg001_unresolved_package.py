@@ -130,9 +130,11 @@ def _build_finding(
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
     is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
     on_path = _find_folder_on_path(source, package, files) if is_of_gazebo else None
+    may_be_model = bool(package) and not checkout and (message == "files-aside" or (is_lost and message == "files"))
+    gazebo_model = _find_gazebo_model(source, package, files) if may_be_model else None
+    is_named_for_gazebo = all(map(_names_gazebo_model, uses)) or source.package is None
+    is_for_gazebo, is_used = gazebo_model is not None and is_named_for_gazebo, message == "files"
     is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
-    is_found_by_gazebo = is_lost and message == "files" and source.package is None and bool(uses)
-    gazebo_model = _find_gazebo_model(source, package, files) if is_found_by_gazebo else None
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
         message = "expansion-rosbuild"
     elif inside:
@@ -141,10 +143,10 @@ def _build_finding(
         message = "files-part"
     elif on_path is not None and message in {"files", "files-aside"}:
         message = "files-path"
+    elif is_for_gazebo:
+        message = "files-gazebo"
     elif is_of_gazebo and package and message in {"files", "files-aside"}:
         message = "files-model"
-    elif gazebo_model is not None:
-        message = "files-gazebo"
     elif kept:
         message = "files-kept"
     # The meshes of a declared package are missing only until it is installed.
@@ -154,13 +156,15 @@ def _build_finding(
     # Without a package the model may be for programs that need none.
     is_outside = message == "nameless" and here and source.package is None
     # Its other programs lack what nothing else of the link stands for.
-    is_outside = is_outside or (message == "files-path" and _is_lost_to_others(uses, source))
+    is_model = message == "files-gazebo" and source.package is not None and is_used
+    is_outside = is_outside or ((message == "files-path" or is_model) and _is_lost_to_others(uses, source))
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
     # A package may be meant by its name and lack the files all the same.
     lacking = "" if owners or here or not near else _describe_lack(near, package, uses, at, source)
     repair = checkout or _describe_repair(package, here, near, source, owner, declared=declared, lacking=lacking)
     own = [] if declared or here or near or checkout else _find_own_files(source, files)
+    in_gazebo = "" if gazebo_model is None else format_path(gazebo_model)
     if own and package and source.package is not None:
         likewise = ", and the others likewise" if len(own) > 1 else ""
         repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
@@ -179,7 +183,7 @@ def _build_finding(
         related=[*related, *places],
         edits=_propose_edits(uses, package, near),
         severity=_grade(message, is_outside=bool(is_outside)),
-        consequences=describe_missing_uses(uses, source) if lost else None,
+        consequences=_describe_loss(uses, source, in_gazebo) if lost or is_for_gazebo else None,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
         package=package,
         manifest="package.xml"
@@ -193,7 +197,7 @@ def _build_finding(
         looked=source.finder.describe_search_places(),
         places="; ".join(source.finder.describe_search_places()),
         near=near,
-        folder=format_path(gazebo_model)
+        folder=in_gazebo
         if gazebo_model is not None
         else format_path(on_path.folder)
         if on_path is not None
@@ -215,11 +219,24 @@ def _build_finding(
             if declared
             else _describe_places(files, here, own, source)
         )
+        + (f" (the Gazebo model {in_gazebo} has {'it' if len(files) == 1 else 'them'})" if in_gazebo else "")
         + named_by,
+        others=f"for other programs, write `package://{source.package.name}/{own[0]}`{' …' * (len(own) > 1)}"
+        if own and source.package is not None
+        else f"other programs need a package {package}",
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
     is_blocked = message in {"expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"}
     return replace(finding, blocks_check=True) if is_blocked else finding
+
+
+def _describe_loss(uses: Sequence[ResourceUse], source: Source, gazebo_model: str) -> dict[str, str]:
+    """Describe what programs do without the files; ``gazebo_model``: the folder in which Gazebo finds them, if it is there."""
+    lost = describe_missing_uses(uses, source)
+    if gazebo_model:
+        around = str(PurePosixPath(gazebo_model).parent)
+        lost["gazebo"] = f"loads the shapes if {around} is in its path (GAZEBO_MODEL_PATH), otherwise drops them"
+    return lost
 
 
 def _names_gazebo_model(use: ResourceUse) -> bool:
