@@ -1252,6 +1252,45 @@ class TestXML011:
             "write `light_grey` if that is meant; else define it as a child of <robot>: "
         )
 
+    @pytest.mark.parametrize(
+        ("geometry", "drake", "severity"),
+        [
+            ('<box size="0.001 0.001 0.001"/>', "", Severity.INFO),
+            ('<sphere radius="0.002"/>', "", Severity.INFO),
+            ('<sphere radius="0.003"/>', "", Severity.WARNING),
+            ('<cylinder radius="0.001" length="0.1"/>', "", Severity.WARNING),
+            ('<mesh filename="a.stl" scale="0.001 0.001 0.001"/>', "", Severity.WARNING),
+            ('<box size="0.001 0.001 0.001"/>', "import pydrake", Severity.WARNING),
+        ],
+    )
+    def test_the_colour_of_a_speck_is_a_note(
+        self, tmp_path: Path, geometry: str, drake: str, severity: Severity
+    ) -> None:
+        (tmp_path / "run.py").write_text(drake)
+        shape = f'<visual><geometry>{geometry}</geometry><material name="red"/></visual>'
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML011")
+        assert finding.severity == severity
+
+    @pytest.mark.parametrize(
+        ("block", "launch", "severity"),
+        [
+            ("<material>Gazebo/White</material>", "gazebo_ros spawn_model", Severity.INFO),
+            ("<visual><material><diffuse>1 0 0 1</diffuse></material></visual>", "gazebo_ros", Severity.INFO),
+            ("<mu1>1</mu1>", "gazebo_ros spawn_model", Severity.WARNING),
+            ("<material>Gazebo/White</material>", "gazebo_ros spawn_model -param robot_description", Severity.WARNING),
+            ("<material>Gazebo/White</material>", "", Severity.WARNING),
+        ],
+    )
+    def test_a_colour_that_gazebo_alone_would_draw_and_has_is_a_note(
+        self, tmp_path: Path, block: str, launch: str, severity: Severity
+    ) -> None:
+        (tmp_path / "package.xml").write_text("<package><name>p</name><run_depend>rviz</run_depend></package>")
+        (tmp_path / "go.launch").write_text(f"<launch><!-- --><arg name='a' default='{launch}'/></launch>")
+        gazebo = f'<gazebo reference="a">{block}</gazebo>'
+        text = f'<robot name="r"><link name="a">{self.REFERENCE}</link>{gazebo}</robot>'
+        (finding,) = findings(tmp_path, text, "XML011")
+        assert finding.severity == severity
+
     def test_a_texture_that_is_there(self, tmp_path: Path) -> None:
         text = LINK.format(
             robot="", link=SHAPE.format('<material name="wood"><texture filename="wood.png"/></material>')

@@ -10,6 +10,9 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import find_nearest_name, format_count, format_name_hint
 from urdfcheck.model import Model
+from urdfcheck.model.parts import Shape
+from urdfcheck.model.use.gazebo_starts import is_only_for_gazebo
+from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.resources import ResourceUse, find_missing_path, list_resource_uses
@@ -18,6 +21,8 @@ from urdfcheck.source.uses_elsewhere import is_named_nowhere
 
 # What makes something of what it holds, or nothing.
 _TEMPLATES = frozenset({"xacro:macro", "xacro:if", "xacro:unless"})
+# The largest size of a shape that is there for its frame (m).
+_SPECK = 0.005
 # The colours of plain names; those of others are not known.
 _COLOURS = {
     "black": "0 0 0 1",
@@ -68,8 +73,39 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             near="" if unused is not None else format_name_hint(name, everywhere),
             repair="" if name in everywhere else _describe_repair(model, name, everywhere, unused),
         )
-        # What no program loads looks like nothing.
-        yield replace(finding, severity=Severity.INFO) if _is_left_aside(model) else finding
+        # What no program loads looks like nothing, nor does what is too small, or what only Gazebo draws in its own colour.
+        is_unseen = _are_specks(model, materials) or _are_coloured_by_gazebo(model, materials)
+        is_note = _is_left_aside(model) or (is_unseen and not _is_for_drake(model))
+        yield replace(finding, severity=Severity.INFO) if is_note else finding
+
+
+def _is_for_drake(model: Model) -> bool:
+    """Whether Drake, which refuses the file, is a target, or a file of the project names it."""
+    return "drake" in model.targets or any("drake" in text for text in list_project_texts(model))
+
+
+def _are_specks(model: Model, materials: Collection[Element]) -> bool:
+    """Whether all shapes of these materials are too small to be seen: they stand for a frame."""
+    shapes = [shape for link in model.links for shape in link.visuals]
+    return all(_is_speck(shape) for shape in shapes if any(m.parent is shape.element for m in materials))
+
+
+def _is_speck(shape: Shape) -> bool:
+    kind, size = shape.kind, shape.size
+    if kind in {None, "mesh"} or not size:
+        return False
+    return (max(size) if kind == "box" else 2 * size[0] if kind == "sphere" else max(2 * size[0], size[1])) <= _SPECK
+
+
+def _are_coloured_by_gazebo(model: Model, materials: Collection[Element]) -> bool:
+    """Whether blocks of Gazebo colour all links of shapes with these materials, and nothing else draws the robot."""
+    coloured = {
+        block.get("reference")
+        for block in model.robot.find_children("gazebo")
+        if any(element.tag == "material" for element in block.walk())
+    }
+    links = {link.name for link in model.links for s in link.visuals if any(m.parent is s.element for m in materials)}
+    return links <= coloured and is_only_for_gazebo(model)
 
 
 def _is_left_aside(model: Model) -> bool:

@@ -11,7 +11,7 @@ from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import MODEL_FILE
+from urdfcheck.source.uses_elsewhere import MODEL_FILE, iter_user_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
@@ -35,6 +35,8 @@ _SPAWNER = re.compile(r"spawn|SpawnEntity|EntityFactory|/create\b|[\"']create[\"
 # How scripts make an SDF of a model, and what publishes the frames of a robot.
 _CONVERTS = re.compile(r"\b(?:gz|ign)\s+sdf\b|\bgzsdf\b")
 _FRAMES = re.compile(r"robot_description|state_publisher|rviz|moveit", re.IGNORECASE)
+# What reads a robot for other simulations.
+_READERS = re.compile(r"drake|bullet", re.IGNORECASE)
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 
@@ -61,6 +63,18 @@ def is_only_made_into_sdf(model: Model) -> bool:
     own = compile_names((model.source.path.name,))
     naming = [text for text in list_project_texts(model) if own.search(text)]
     return any(map(_CONVERTS.search, naming)) and not any(map(_FRAMES.search, naming))
+
+
+def is_only_for_gazebo(model: Model) -> bool:
+    """Whether the files of the model's package, and those of packages that depend on it and name the model's file, name Gazebo,
+    and no program that draws or reads the robot by itself. Manifests do not count: they name what is only copied."""
+    package, own = model.source.package, compile_names((model.source.path.name,))
+    texts = [
+        text
+        for path, text in iter_user_texts(model.source)
+        if path.name != "package.xml" and (package is None or path.is_relative_to(package.path) or own.search(text))
+    ]
+    return any(map(GAZEBO.search, texts)) and not any(_FRAMES.search(t) or _READERS.search(t) for t in texts)
 
 
 @fact
