@@ -177,6 +177,8 @@ def _build_finding(
     if kind == "expansion" and clone is None:
         skipping = find_skipping_argument(source, at)
         repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
+    if message == "files-gazebo":
+        repair = _describe_others(package, own, source)
     finding = rule.finding(
         message,
         at=at,
@@ -221,9 +223,6 @@ def _build_finding(
         )
         + (f" (the Gazebo model {in_gazebo} has {'it' if len(files) == 1 else 'them'})" if in_gazebo else "")
         + named_by,
-        others=f"for other programs, write `package://{source.package.name}/{own[0]}`{' …' * (len(own) > 1)}"
-        if own and source.package is not None
-        else f"other programs need a package {package}",
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
     is_blocked = message in {"expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"}
@@ -237,6 +236,14 @@ def _describe_loss(uses: Sequence[ResourceUse], source: Source, gazebo_model: st
         around = str(PurePosixPath(gazebo_model).parent)
         lost["gazebo"] = f"loads the shapes if {around} is in its path (GAZEBO_MODEL_PATH), otherwise drops them"
     return lost
+
+
+def _describe_others(package: str, own: Sequence[str], source: Source) -> str:
+    """Say what programs other than Gazebo need; ``own``: the same files in the model's own package."""
+    if not own or source.package is None:
+        return f"other programs need a package {package}"
+    likewise = ", and the others likewise" if len(own) > 1 else ""
+    return f"for other programs, write `package://{source.package.name}/{own[0]}`{likewise}"
 
 
 def _names_gazebo_model(use: ResourceUse) -> bool:
@@ -344,7 +351,7 @@ def _find_package_with_files(uses: Sequence[ResourceUse], source: Source) -> lis
 
 
 def _find_own_include(package: str, owner: Package | None, at: Location, source: Source) -> list[str]:
-    """Return the package of a xacro file if it has the file that is typed after another, unknown name: an old one of its own.
+    """Return the package of a xacro file if it has the file that is typed after another, unknown name: a former name of it.
 
     A file that includes one of its own name from elsewhere is a wrapper of that.
     """

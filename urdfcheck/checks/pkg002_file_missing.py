@@ -14,7 +14,6 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
 from urdfcheck.source.launch.built_files import find_making_build, is_git_ignored
 from urdfcheck.source.load import Source
-from urdfcheck.source.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.similar_files import (
@@ -51,6 +50,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
+from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions

@@ -27,10 +27,10 @@ from urdfcheck.source.package.references import (
     read_package_contents,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.setup_templates import is_left_out_by_template
 from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
 from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
+from urdfcheck.source.ros.setup_templates import is_left_out_by_template
 from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular, read_text_or_nothing

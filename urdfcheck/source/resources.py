@@ -11,10 +11,10 @@ from pathlib import Path
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
-from urdfcheck.source.mujoco_paths import describe_mujoco_path, is_found_by_mujoco
 from urdfcheck.source.package.finder import Package, PackageFinder, Resource
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.ros.dependencies import find_dependent_in_project
+from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path, is_found_by_mujoco
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element

@@ -368,7 +368,7 @@ def _iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tu
 def is_named_nowhere(source: Source) -> bool:
     """Whether no file of the model's package, or of one that names the package, names the model's file outside comments.
 
-    The header that xacro writes is such a comment, and names what the file was made of all the same.
+    The header that xacro writes is such a comment, and still names what the file was made of.
     False without a package, and where a file computes such a name.
     """
     if source.package is None:
