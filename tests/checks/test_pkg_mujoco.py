@@ -115,3 +115,15 @@ def test_what_mujoco_finds_by_its_options_is_missing_for_the_others_only(tmp_pat
     assert len(load_mesh_sizes(tmp_path, file, before=before)) == 1
     (finding,) = find(tmp_path, (tmp_path / "hand.urdf").read_text(encoding="utf-8"), "PKG002", name="hand.urdf")
     assert finding.consequences["mujoco"] == "loads it: its <compiler> says where the files are"
+
+
+@pytest.mark.parametrize("options", ['meshdir="left"', ""])
+def test_a_path_of_one_machine_is_repaired_for_mujoco_too(tmp_path: Path, options: str) -> None:
+    (tmp_path / ".git").mkdir()
+    own = str(tmp_path / "left" / "finger.obj")
+    load_mesh_sizes(tmp_path, own, before=f"<mujoco><compiler {options}/></mujoco>")
+    (finding,) = find(tmp_path, (tmp_path / "hand.urdf").read_text(encoding="utf-8"), "PKG004", name="hand.urdf")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `left/finger.obj`: the file is there")
+    assert ('write strippath="true" beside it' in finding.fix.title) == bool(options)
+    assert bool(finding.fix.edits) != bool(options)

@@ -26,6 +26,7 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
+from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file, is_kept_output
@@ -97,7 +98,9 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         at=place.location,
         severity=_get_severity(message, source),
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
-        edits=_propose_edits(place, portable) if message != "installed" else [],
+        edits=[]
+        if message == "installed" or _describe_for_mujoco(portable, source)
+        else _propose_edits(place, portable),
         consequences=describe_missing_mesh(parts) | describe_unread_visuals(parts) if is_lost else None,
         lost=name_lost_shapes(parts),
         file=first.resource.text,
@@ -222,7 +225,8 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     paths = [path for path in portable if path is not None]
     if len(paths) == len(portable) and message != "installed":
         owner = "the package has the file" if paths[0].startswith("package://") else "the file is there"
-        return f"write `{paths[0]}`{likewise if len(set(paths)) > 1 else ''}: {owner}"
+        mujoco = _describe_for_mujoco(portable, source)
+        return f"write `{paths[0]}`{likewise if len(set(paths)) > 1 else ''}: {owner}{mujoco}"
     others = [path or _find_path_of_other(use, source) for use, path in zip(place.uses, portable, strict=True)]
     if None not in others:
         named = dict.fromkeys(
@@ -251,6 +255,12 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         meant = f"write `{own}`{likewise if len(namesakes) > 1 else ''}"
         repair = f"if {namesakes[0]} of the package is the file that is meant, {meant}; else {repair}"
     return repair
+
+
+def _describe_for_mujoco(portable: Sequence[str | None], source: Source) -> str:
+    """Say what MuJoCo needs with paths from the model: before an absolute path it puts nothing."""
+    files = [source.path.absolute().parent / path for path in portable if path is not None and "://" not in path]
+    return describe_mujoco_path(files, source) if files else ""
 
 
 def _find_future_path(use: ResourceUse, source: Source, owners: Collection[str]) -> str | None:
