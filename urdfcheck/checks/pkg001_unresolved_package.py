@@ -185,7 +185,7 @@ def _build_finding(
         related=[*related, *places],
         edits=_propose_edits(uses, package, near),
         severity=_grade(message, is_outside=bool(is_outside)),
-        consequences=_describe_loss(uses, source, in_gazebo) if lost or is_for_gazebo else None,
+        consequences=_describe_loss(uses, source, in_gazebo) if lost or message == "files-gazebo" else None,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
         package=package,
         manifest="package.xml"
