@@ -253,6 +253,28 @@ def test_a_headline_counts_elements_of_which_one_finding_may_have_several() -> N
     assert joint.endswith(" (+3 more)")
 
 
+def test_a_headline_counts_the_elements_of_the_first_place_that_it_does_not_name() -> None:
+    template = "{link}: collision is {gap} off the visual"
+    data = [{"link": "left_arm", "gap": "90°"}, {"link": "left_leg", "gap": "0.0158 m"}]
+    names = [["left_arm", "right_arm"], ["left_leg", "right_leg"]]
+    assert fill_joint_headline(template, data, names, "links").endswith(" off the visual (+3 more)")
+
+
+@pytest.mark.parametrize(
+    ("template", "first", "more"),
+    [
+        ("{joint} cannot hold gravity: needs {torque:g} N·m", "a", 4),
+        ("{joint} cannot hold gravity: needs {torque:g} N·m", "a, b, c", 2),
+        ("{count} cannot hold gravity: at most {torque:g} N·m", "a", 2),
+        ("no controller holds the arm: needs {torque:g} N·m", "a", 1),
+    ],
+)
+def test_a_headline_counts_what_it_tells_of_the_first_place_no_more(template: str, first: str, more: int) -> None:
+    data = [{"joint": first, "count": "3 joints", "torque": 35.5}, {"joint": "d", "count": "2 joints", "torque": 4.5}]
+    joint = fill_joint_headline(template, data, [["a", "b", "c"], ["d", "e"]], "joints")
+    assert joint.endswith(f" (+{more} more)")
+
+
 def _list_values(rule: Rule) -> list[str]:
     templates = (*rule.headlines.values(), *rule.messages.values(), *rule.fixes.values(), *rule.consumers.values())
     texts = [text for text in templates if isinstance(text, str)]

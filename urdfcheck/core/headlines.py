@@ -166,13 +166,22 @@ def fill_joint_headline(
 
 
 def count_more(template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> int:
-    """Count what several findings are about besides that of the first: elements where the headline begins with their names, of
-    which one finding may be about several; otherwise findings."""
-    about = _ABOUT.fullmatch(template)
-    if about is None or not all(about[1] in values for values in data) or not _is_named(about[1], data, names):
-        return len(data) - 1
-    others = {name for some in names for name in some} - set(names[0])
-    return max(len(data) - 1, len(others))
+    """Count what several findings are about besides what the headline names or counts: elements, of which one finding may be
+    about several (one line of a macro); findings where it tells no element."""
+    told = _list_told(template, data[0], names[0])
+    others = {name for some in names for name in some}.difference(told)
+    return max(len(data) - 1, len(others)) if told else len(data) - 1
+
+
+def _list_told(template: str, values: Mapping[str, Any], names: Sequence[str]) -> Sequence[str]:
+    """List the elements of a finding that its headline tells: all of them as a list or a number, or the first one alone."""
+    if not names:
+        return ()
+    shown = [values[key] for _, key, _, _ in string.Formatter().parse(template) if key and key in values]
+    counted = f"{len(names)} "  # `8 links`
+    if join_names(names) in shown or any(f"{value} ".startswith(counted) for value in shown):
+        return names
+    return names[:1] if names[0] in shown else ()
 
 
 def format_more(count: int) -> str:
