@@ -445,6 +445,28 @@ def test_the_srdf_of_the_xacro_knows_the_overlaps_of_the_urdf_made_from_it(tmp_p
     assert finding.severity is Severity.INFO
 
 
+@pytest.mark.parametrize(("robot_name", "severity"), [("arm", Severity.INFO), ("leg", Severity.WARNING)])
+def test_the_srdf_of_a_robot_knows_the_overlaps_of_a_variant_that_includes_it(
+    tmp_path: Path, robot_name: str, severity: Severity
+) -> None:
+    source = tmp_path / "workspace" / "src"
+    needs = {"arm_description": "", "arm_gazebo": "", "arm_moveit": "<depend>arm_description</depend>"}
+    for name, manifest in needs.items():
+        (source / name / "config").mkdir(parents=True)
+        (source / name / "package.xml").write_text(f'<package format="3"><name>{name}</name>{manifest}</package>')
+    disabled = '<disable_collisions link1="base" link2="fore" reason="Default"/>\n'
+    srdf = f'<robot name="{robot_name}">\n{GROUP}\n{NEIGHBOURS}{disabled}</robot>'
+    (source / "arm_moveit" / "config" / "arm.srdf").write_text(srdf)
+    (source / "arm_description" / "arm.urdf").write_text(make_two_bars(fore="1.2 0.3 0.3"))
+    variant = source / "arm_gazebo" / "arm.urdf.xacro"
+    variant.write_text(
+        '<robot xmlns:xacro="http://www.ros.org/wiki/xacro" name="arm">'
+        '<xacro:include filename="$(find arm_description)/arm.urdf"/></robot>'
+    )
+    (finding,) = check(variant, codes={"COL001"}).findings
+    assert finding.severity is severity
+
+
 @pytest.mark.parametrize("left_out", [True, False])
 def test_links_that_are_disabled_with_all_others_are_left_out(tmp_path: Path, left_out: bool) -> None:
     more = "".join(make_box(f"n{i}", "0.1 0.1 0.1") + make_hinge("base", f"n{i}", f"0 {i + 2} 0") for i in range(20))

@@ -17,7 +17,7 @@ from urdfcheck.model.motion.collisions.self_collisions import (
     ensure_all_shapes_read,
     self_collisions,
 )
-from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions, semantic_descriptions_of_parts
 from urdfcheck.model.parts import locate_geometry
 from urdfcheck.model.shapes.mesh_marks import round_significant
 from urdfcheck.model.use.display import is_without_dynamics
@@ -366,8 +366,9 @@ def _build_overlap_finding(
 
 def _list_disabled_pairs(model: Model) -> set[frozenset[str]]:
     """List the pairs that a semantic description of a robot of this name tells MoveIt not to check: also of the xacro that this
-    file was made from."""
-    return {pair.key for srdf in semantic_descriptions(model) for pair in srdf.disabled_pairs}
+    file was made from, and that of the robot whose file this one includes."""
+    srdfs = (*semantic_descriptions(model), *semantic_descriptions_of_parts(model))
+    return {pair.key for srdf in srdfs for pair in srdf.disabled_pairs}
 
 
 def _find_common_shape_index(group: Sequence[tuple[CollisionPair, Contact]]) -> int:

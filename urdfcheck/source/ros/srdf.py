@@ -155,10 +155,26 @@ def load_srdfs(source: Source, robot: str) -> tuple[Srdf, ...]:
     They are beside the model, in its package, in packages that depend on it, and in those called ``*_moveit_config`` that do not
     depend on another package with models.
     """
+    return _load_all(_find_srdf_files(source), source, robot)
+
+
+def load_srdfs_of_parts(source: Source, robot: str) -> tuple[Srdf, ...]:
+    """Load the semantic descriptions of a robot of this name that are in other packages whose files the model includes, and in
+    those that depend on them: for the same links."""
+    own = None if source.package is None else source.package.path
+    parts = {
+        part.path: part
+        for file in source.files.values()
+        if (part := source.finder.find_package_of(file.path.absolute())) is not None and part.path != own
+    }
+    return _load_all(_find_srdfs_of_packages(list(parts.values()), source), source, robot)
+
+
+def _load_all(paths: Iterable[Path], source: Source, robot: str) -> tuple[Srdf, ...]:
     if not robot:
         return ()
     srdfs: dict[Path, Srdf] = {}
-    for path in _find_srdf_files(source):
+    for path in paths:
         real = Path(os.path.realpath(path))
         if real not in srdfs:
             srdf = load_srdf(path, source.arguments, source.finder, robot=robot, extra_environment=source.environment)
@@ -388,6 +404,18 @@ def _find_srdf_files(source: Source) -> Iterator[Path]:
             ):
                 source.finder.find(name)  # then it counts as found, and its files are in reach
                 yield from files
+
+
+def _find_srdfs_of_packages(parts: Sequence[Package], source: Source) -> Iterator[Path]:
+    """Yield the semantic descriptions in some packages of the workspace, and in those that depend on one of them."""
+    if not parts:
+        return
+    inside = {part.path for part in parts}
+    for name, folder in sorted(source.finder.list_workspace_packages().items()):
+        files = [file for place in _list_srdf_places(folder) for file in _list_srdfs(place)]
+        if files and (folder in inside or any(has_dependency(folder, part.name) for part in parts)):
+            source.finder.find(name)  # then it counts as found, and its files are in reach
+            yield from files
 
 
 def _list_srdf_places(folder: Path) -> list[Path]:
