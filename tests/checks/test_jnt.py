@@ -204,8 +204,8 @@ def test_zero_effort_of_all_joints_is_one_finding(tmp_path: Path) -> None:
     assert finding.subjects == ("joint[j]/limit@effort", "joint[k]/limit@effort")
 
 
-def transmit(interface: str) -> str:
-    inside = f'<joint name="j"><hardwareInterface>hardware_interface/{interface}</hardwareInterface></joint>'
+def transmit(interface: str, joint: str = "j") -> str:
+    inside = f'<joint name="{joint}"><hardwareInterface>hardware_interface/{interface}</hardwareInterface></joint>'
     return f'<transmission name="t">{inside}</transmission>'
 
 
@@ -331,12 +331,33 @@ def test_the_motors_of_a_file_that_is_left_aside_are_a_note(tmp_path: Path) -> N
 
 def test_a_zero_velocity_counts_although_no_joint_has_an_effort(tmp_path: Path) -> None:
     texts = [f'<limit lower="0" upper="1" effort="0" velocity="{velocity}"/>' for velocity in (0, 3)]
-    findings = find(
-        tmp_path, make_three_links(make_joint(texts[0]), make_joint(texts[1], name="k", child="c")), "JNT007"
-    )
+    joints = (make_joint(texts[0]), make_joint(texts[1], name="k", child="c"))
+    findings = find(tmp_path, make_three_links(*joints, links=transmit("PositionJointInterface")), "JNT007")
     assert ("velocity-zero", Severity.WARNING, ("joint[j]/limit@velocity",)) in [
         (f.message_id, f.severity, f.subjects) for f in findings
     ]
+
+
+@pytest.mark.parametrize(
+    ("more", "srdf", "severity"),
+    [
+        ("", "", Severity.INFO),
+        (transmit("PositionJointInterface"), "", Severity.WARNING),
+        (transmit("PositionJointInterface", joint="k"), "", Severity.INFO),
+        ('<gazebo><plugin name="p" filename="p.so"><joint>j</joint></plugin></gazebo>', "", Severity.WARNING),
+        ("", '<group name="g"><joint name="j"/></group>', Severity.WARNING),
+        ("", '<group name="g"><joint name="k"/></group>', Severity.INFO),
+    ],
+)
+def test_a_zero_velocity_that_nothing_known_reads_is_an_info(
+    tmp_path: Path, more: str, srdf: str, severity: Severity
+) -> None:
+    texts = [f'<limit lower="0" upper="1" effort="5" velocity="{velocity}"/>' for velocity in (0, 3)]
+    joints = (make_joint(texts[0]), make_joint(texts[1], name="k", child="c"))
+    files = {"r.urdf": make_three_links(*joints, links=more), "r.srdf": f'<robot name="r">{srdf}</robot>'}
+    (tmp_path / ".git").mkdir()
+    (finding,) = find(tmp_path, files, "JNT007", name="r.urdf")
+    assert (finding.message_id, finding.severity) == ("velocity-zero", severity)
 
 
 @pytest.mark.parametrize(

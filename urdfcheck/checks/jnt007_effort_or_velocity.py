@@ -233,7 +233,7 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: A
             "velocity-zero",
             "velocity",
             slow,
-            severity=None if is_odd and not is_planned else Severity.INFO,
+            severity=None if is_odd and not is_planned and _is_any_used(model, slow, commanded) else Severity.INFO,
             consequences=_PLANNED if is_planned else None,
             **_describe_joints_beside(slow, [joint for joint in powerless if joint.name in still]),
         )
@@ -265,6 +265,19 @@ def _have_planning_speeds(model: Model, joints: Sequence[Joint]) -> bool:
         if limits.is_on("has_velocity_limits") and (limits.get_number("max_velocity") or 0.0) > 0.0
     }
     return all(joint.name in known for joint in joints)
+
+
+def _is_any_used(model: Model, joints: Sequence[Joint], commanded: AbstractSet[str]) -> bool:
+    """Whether a program that reads speeds is known to move one of some joints: a controller, which takes a limit of 0 literally,
+    a plugin that names the joint, or MoveIt, which plans for its group at a speed of its own."""
+    from urdfcheck.model.motion.planning_limits import collect_listed_joints  # few models have such joints
+    from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
+
+    used = {*commanded, *collect_plugin_texts(model)}
+    for srdf in semantic_descriptions(model):
+        for group in srdf.root.find_children("group"):
+            used |= collect_listed_joints(model, srdf, group)
+    return any(joint.name in used for joint in joints)
 
 
 def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
