@@ -270,6 +270,25 @@ def test_an_overlap_on_one_body_is_in_every_state(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ("", Severity.WARNING),  # the project of a planner may be elsewhere
+        ('<node pkg="gait" exec="engine" args="$(find-pkg-share arm)/arm.srdf"/>', Severity.INFO),
+        ('<node pkg="moveit_ros_move_group" exec="move_group" args="arm.srdf"/>', Severity.WARNING),
+        ('<node pkg="gait" exec="engine" args="$(find-pkg-share arm)/arm.urdf"/>', Severity.WARNING),
+    ],
+)
+def test_pairs_of_a_description_that_no_planner_reads_are_an_info(
+    tmp_path: Path, launch: str, severity: Severity
+) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>arm</name></package>')
+    (tmp_path / "launch").mkdir()
+    (tmp_path / "launch" / "show.launch.xml").write_text(f"<launch>{launch}</launch>")
+    (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=CAMERA))
+    assert (finding.message_id, finding.severity) == ("always", severity)
+
+
+@pytest.mark.parametrize(
     "line",
     [
         pair("fore", "camera", "User"),

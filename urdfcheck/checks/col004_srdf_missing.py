@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
-from urdfcheck.core.text import format_count, join_names
+from urdfcheck.core.text import compile_names, format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
@@ -17,7 +17,9 @@ from urdfcheck.model.motion.moveit_pairs import (
 )
 from urdfcheck.model.motion.poses import get_sampling_range
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
-from urdfcheck.source.ros.srdf import is_set_up_for_another
+from urdfcheck.model.use.display import is_checked_for_collisions
+from urdfcheck.model.use.project_texts import list_project_texts
+from urdfcheck.source.ros.srdf import Srdf, is_set_up_for_another
 
 # COL001 warns of overlaps that are deeper (m), but for poses in which a robot never is.
 _DEEP = 2e-3
@@ -57,12 +59,13 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue
         if depth != 0.0:  # collision checkers disagree about faces in one plane
             (always if is_always else by_default).append((j, depth))
+    is_note = bool(always) and _is_for_other_programs(model, srdf)
     for message, pairs in (("always", always), ("default", by_default)):
         if pairs:
             yield rule.finding(
                 message,
                 at=srdf.root,
-                severity=Severity.INFO if message == "default" else None,
+                severity=Severity.INFO if message == "default" or is_note else None,
                 robot=model.name,
                 count=format_count(len(pairs), "pair of links collides", "pairs of links collide"),
                 pairs=join_names((_format_pair(j, depth) for j, depth in pairs), most=4),
@@ -71,6 +74,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 samples=f"{len(pairs[0][0].pair.hits):,}",
             )
     ensure_all_shapes_read(self_collisions(model))
+
+
+def _is_for_other_programs(model: Model, srdf: Srdf) -> bool:
+    """Whether files of a project give the semantic description to a program, and none of them names MoveIt or another program that
+    checks for collisions: what reads the description reads its groups and states."""
+    own = compile_names((srdf.path.name,))
+    is_read = any(map(own.search, list_project_texts(model)))
+    return model.source.package is not None and is_read and not is_checked_for_collisions(model)
 
 
 def _are_joints_moved(model: Model, pair: CollisionPair) -> bool:

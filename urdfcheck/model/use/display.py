@@ -90,7 +90,13 @@ def is_without_dynamics(model: Model) -> bool:
     links = _list_moving_links(model)
     if not links or any(link.inertial is not None for link in links) or is_simulated(model):
         return False
-    return not any(map(_COLLISION_CHECKER.search, list_project_texts(model)))
+    return not is_checked_for_collisions(model)
+
+
+def is_checked_for_collisions(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, names a program that checks a robot for collisions with
+    itself."""
+    return any(map(_COLLISION_CHECKER.search, list_project_texts(model)))
 
 
 def _list_moving_links(model: Model) -> list[Link]:
