@@ -164,6 +164,27 @@ def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("name", "mass", "effort", "message"),
+    [
+        ("antenna", 0.001, 0, "light"),
+        ("antenna", 0.001, 2, "missing"),
+        ("antenna", 0.1, 0, "missing"),
+        ("finger", 0.001, 0, "missing"),
+        ("front_wheel", 0.001, 0, "missing"),
+    ],
+)
+def test_a_light_part_without_effort_is_an_info(
+    tmp_path: Path, name: str, mass: float, effort: float, message: str
+) -> None:
+    parts = link("base", BOTH + MASS) + link("arm", BOTH + MASS) + make_joint("base", "arm", xyz="0 0 1")
+    parts += link(name, box("visual") + MASS.replace('value="1"', f'value="{mass}"'))
+    bounds = f'<limit lower="-1" upper="1" effort="{effort}" velocity="0"/>'
+    parts += joint("j", "arm", name, bounds, kind="revolute", xyz="0 0 1", axis="0 1 0")
+    (finding,) = find(tmp_path, robot(parts), "GEO002")
+    assert (finding.message_id, finding.severity is Severity.INFO) == (message, message == "light")
+
+
+@pytest.mark.parametrize(
     ("size", "hand", "message"),
     [(0.1, BOTH, "between"), (0.5, BOTH, "missing"), (0.1, "", "missing"), (0.1, box("visual"), "missing")],
     ids=["small", "large", "nothing behind", "bare behind"],

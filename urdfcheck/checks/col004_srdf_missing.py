@@ -77,8 +77,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_for_other_programs(model: Model, srdf: Srdf) -> bool:
-    """Whether files of a project give the semantic description to a program, and none of them names MoveIt or another program that
-    checks for collisions: what reads the description reads its groups and states."""
+    """Whether files of a project give the semantic description to a program, and none of them names MoveIt or another program
+    that checks for collisions: what reads the description reads its groups and states."""
     own = compile_names((srdf.path.name,))
     is_read = any(map(own.search, list_project_texts(model)))
     return model.source.package is not None and is_read and not is_checked_for_collisions(model)

@@ -96,8 +96,11 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
     carried = [] if is_started_in_simulator(model) else [body for body in rest if _is_on_bare_base(model, body)]
     if carried:
         yield _build_list_finding(model, rule, "carried", carried)
+    light = [body for body in rest if body not in carried and _is_light_and_loose(model, body)]
+    if light:
+        yield _build_list_finding(model, rule, "light", light)
     for body in rest:
-        if body in carried:
+        if body in carried or body in light:
             continue
         link = _list_drawn_links(model, body)[0]
         joint = model.tree.parent_joint[body.links[0]]
@@ -112,6 +115,15 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
             joint=joint.name,
             bodies=len(moving) - len(bare),
         )
+
+
+def _is_light_and_loose(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a body at the end of its branch weighs next to nothing, and its joint has an effort of 0 where others have one: an
+    antenna or an ornament. Not what has to touch something, by its name."""
+    joint = model.tree.parent_joint[body.links[0]]
+    if joint.get_limit_value("effort") != 0 or _handles_or_rolls(joint) or any(_list_moved_links(model, body)):
+        return False
+    return _weighs_nothing(model, body) and any((other.get_limit_value("effort") or 0.0) > 0 for other in model.joints)
 
 
 def _handles_or_rolls(joint: Joint) -> bool:
@@ -163,6 +175,11 @@ def _is_pointer(model: Model, body: RigidLinkGroup) -> bool:
     joint = model.tree.parent_joint[body.links[0]]
     if not any(_SHOWN_NAME.search(name) for name in (joint.name, *body.links)) or any(_list_moved_links(model, body)):
         return False
+    return _weighs_nothing(model, body)
+
+
+def _weighs_nothing(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a body has at most a thousandth of the robot's mass."""
     mass = {link.name: link.inertial.mass or 0.0 for link in model.links if link.inertial is not None}
     return sum(mass.get(name, 0.0) for name in body.links) <= _NO_MASS * sum(mass.values())
 

@@ -94,8 +94,8 @@ def is_without_dynamics(model: Model) -> bool:
 
 
 def is_checked_for_collisions(model: Model) -> bool:
-    """Whether a file of the model's package, or of one that depends on it, names a program that checks a robot for collisions with
-    itself."""
+    """Whether a file of the model's package, or of one that depends on it, names a program that checks a robot for collisions
+    with itself."""
     return any(map(_COLLISION_CHECKER.search, list_project_texts(model)))
 
 
