@@ -189,3 +189,14 @@ def test_programs_of_a_python_project_start_the_joints(tmp_path: Path, manifest:
     path.write_text(text, encoding="utf-8")
     (finding,) = check(tmp_path, codes={"JNT019"}).findings
     assert finding.message_id == message
+
+
+@pytest.mark.parametrize(
+    ("start", "more", "is_reported"),
+    [("1.2", "", False), ("3", "", True), ("", "", True), ("1.2", CONTROLLED, True)],
+    ids=["within", "outside", "none", "simulated"],
+)
+def test_a_state_of_the_srdf_gives_the_start(tmp_path: Path, start: str, more: str, is_reported: bool) -> None:
+    state = f'<group_state name="home" group="g"><joint name="j" value="{start}"/></group_state>' if start else ""
+    (tmp_path / "arm.srdf").write_text(f'<robot name="arm"><group name="g"><joint name="j"/></group>{state}</robot>')
+    assert bool(find_zero(tmp_path, 'lower="0.5" upper="2"', more=more)) == is_reported

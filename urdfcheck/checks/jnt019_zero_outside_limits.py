@@ -11,6 +11,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
+from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.use.display import has_bare_joints
 from urdfcheck.model.use.gazebo_starts import is_started_elsewhere
 from urdfcheck.model.use.simulators import is_simulated, is_simulated_hardware, is_started_in_simulator
@@ -26,6 +27,8 @@ _MOCK_HARDWARE = re.compile(r"mock_components|fake_components")
 _CONTROL_PLUGIN = re.compile(r"ros2?_control|[Jj]oint[-_]?([Pp]osition|[Tt]rajectory)[-_]?[Cc]ontroller")
 
 
+# Targets that start every joint at zero, whatever an SRDF says.
+_SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # m, and a share of the range: fingers that never quite close are drawn so near to where they start (chosen).
 _NEAR_SLIDE, _MOST_NEAR = 0.005, 0.25
 
@@ -42,6 +45,10 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
             outside.append(joint)
         elif 0 in span:
             limiting.append(joint)
+    is_asked = not _SIMULATORS.isdisjoint(model.targets)
+    if outside and not (is_asked or is_simulated(model) or _is_started_by_controllers(model)):
+        stated = _collect_stated_starts(model)
+        outside = [joint for joint in outside if joint.name not in stated]
     if outside:
         is_near = all(_is_near(joint, near, notable) for joint in outside)
         is_meant = _are_legs(outside) or has_bare_joints(model) or is_started_elsewhere(model)
@@ -123,6 +130,21 @@ def _collect_initial_positions(model: Model) -> frozenset[str]:
             if any(parse_number(param.text) != 0 for param in params):
                 placed.add(joint.get("name"))
     return frozenset(placed)
+
+
+def _collect_stated_starts(model: Model) -> frozenset[str]:
+    """Return the joints that a state of a semantic description puts within their limits: MoveIt's programs move them there by its
+    name, and the real robot is where it is."""
+    stated: set[str] = set()
+    joints = {joint.name: joint for joint in model.joints}
+    for srdf in semantic_descriptions(model):
+        for state in srdf.root.find_children("group_state"):
+            for element in state.find_children("joint"):
+                joint, value = joints.get(element.get("name").strip()), parse_number(element.get("value"))
+                span = None if joint is None else joint.position_range
+                if joint is not None and span is not None and value is not None and span[0] <= value <= span[1]:
+                    stated.add(joint.name)
+    return frozenset(stated)
 
 
 def _get_bound(joint: Joint, lower: float) -> Located:
