@@ -269,7 +269,7 @@ def _have_planning_speeds(model: Model, joints: Sequence[Joint]) -> bool:
 
 def _is_any_used(model: Model, joints: Sequence[Joint], commanded: AbstractSet[str]) -> bool:
     """Whether a program that reads speeds is known to move one of some joints: a controller, which takes a limit of 0 literally,
-    a plugin that names the joint, or MoveIt, which plans for its group at a speed of its own."""
+    a plugin that names the joint, or MoveIt, which plans for its group with a default speed."""
     from urdfcheck.model.motion.planning_limits import collect_listed_joints  # few models have such joints
     from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 

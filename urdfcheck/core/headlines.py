@@ -167,14 +167,14 @@ def fill_joint_headline(
 
 def count_more(template: str, data: Sequence[Mapping[str, Any]], names: Sequence[Sequence[str]]) -> int:
     """Count what several findings are about besides what the headline names or counts: elements, of which one finding may be
-    about several (one line of a macro); findings where it tells no element."""
+    about several (one line of a macro); findings where it names and counts none."""
     told = _list_told(template, data[0], names[0])
     others = {name for some in names for name in some}.difference(told)
     return max(len(data) - 1, len(others)) if told else len(data) - 1
 
 
 def _list_told(template: str, values: Mapping[str, Any], names: Sequence[str]) -> Sequence[str]:
-    """List the elements of a finding that its headline tells: all of them as a list or a number, or the first one alone."""
+    """List the elements of a finding that its headline names or counts: all of them, or the first one alone."""
     if not names:
         return ()
     shown = [values[key] for _, key, _, _ in string.Formatter().parse(template) if key and key in values]
