@@ -188,3 +188,33 @@ def test_wheels_may_have_been_made_heavy(tmp_path: Path, mass: str, base: str, m
     found = find(tmp_path, robot(*parts), "INR010")
     assert {one.message_id for one in found} == {message}
     assert all((one.severity is Severity.INFO) == (message == "wheel") for one in found)
+
+
+# -- INR001 --------------------------------------------------------------------------------------------------------------
+
+VIRTUAL = "<!-- virtual joint that shows in RViz where the car is steering -->"
+
+
+@pytest.mark.parametrize(
+    ("comment", "more", "severities"),
+    [
+        (VIRTUAL, "", {Severity.INFO}),
+        ("", "", {Severity.WARNING}),
+        ("<!-- the steering -->", "", {Severity.WARNING}),
+        (VIRTUAL, command("steering", "turning"), {Severity.WARNING}),
+        (VIRTUAL, link("tip", inertial(1.0)) + joint("tilting", "roll", "tip", kind="continuous"), {Severity.WARNING}),
+        (VIRTUAL, visual(box("0.1 0.1 0.1")), {Severity.WARNING}),
+    ],
+    ids=["virtual", "no comment", "another comment", "driven", "mass behind", "drawn"],
+)
+def test_frames_without_mass_that_are_called_virtual_are_an_info(
+    tmp_path: Path, comment: str, more: str, severities: set[Severity]
+) -> None:
+    """A steered axle and a wheel on it, of which only the first has the comment."""
+    drawn, more = (more, "") if more.startswith("<visual") else ("", more)
+    text = robot(
+        link("base", inertial(1.0)), link("wheel", inertial(1.0)), joint("rolling", "base", "wheel", kind="continuous"),
+        comment, link("lead", drawn), joint("steering", "base", "lead", kind="continuous"),
+        link("roll", drawn), joint("turning", "lead", "roll", kind="continuous"), more,
+    )  # fmt: skip
+    assert {finding.severity for finding in find(tmp_path, text, "INR001")} == severities

@@ -8,7 +8,9 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
+from urdfcheck.model.gazebo import collect_plugin_texts
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
+from urdfcheck.model.stated_reasons import is_called_virtual
 from urdfcheck.model.use.display import has_bare_joints, is_loaded_for_frames
 from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf, is_left_to_world, is_spawned_in_gazebo
 from urdfcheck.model.use.simulators import is_modelled_for_mujoco, is_started_in_simulator
@@ -17,6 +19,8 @@ from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
 # The targets that simulate robots.
 _SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
+# Those that stop, or compute with what they assume, where a body that moves has no mass. Gazebo drops the link.
+_WEIGHING = _SIMULATORS - {"gazebo"} | {"pinocchio"}
 # MuJoCo's treatment of a body without mass.
 INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
 # Isaac Sim's, where no collision geometry says how large the body is.
@@ -83,7 +87,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             message,
             at=head,
-            severity=Severity.INFO if is_loaded_for_frames(model) else None,
+            severity=Severity.INFO
+            if is_loaded_for_frames(model) or (message == "frame" and not heavy and _is_virtual(model, body))
+            else None,
             consequences={
                 "mujoco": INFERS if is_solid else REFUSES,
                 **({} if is_solid else {"isaac": OWN_CHOICE}),
@@ -95,6 +101,32 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             behind=behind,
             repair=(_JOINING if behind else _LAST) if message == "frame" else _describe_addition(model, links),
         )
+
+
+def _is_virtual(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a comment says that a body, or one before it that has no mass either, is virtual, and nothing drives its joint: it
+    is there for its frame, which no simulator has to move. Not where a program that needs masses is meant."""
+    if not _WEIGHING.isdisjoint(model.targets) or model.robot.find_child("mujoco") is not None:
+        return False
+    tree = model.tree
+    joint = tree.parent_joint[body.links[0]]
+    if joint.name in _collect_driven_names(model):
+        return False
+    while True:
+        elements = (joint.element, *(model.link_by_name[name].element for name in tree.list_body_links(joint.child)))
+        if any(is_called_virtual(model, element) for element in elements):
+            return True
+        before = tree.list_body_links(joint.parent)
+        if before[0] not in tree.parent_joint or any(model.link_by_name[name].inertial is not None for name in before):
+            return False
+        joint = tree.parent_joint[before[0]]
+
+
+def _collect_driven_names(model: Model) -> set[str]:
+    """Return the joints that transmissions, ros2_control or plugins of Gazebo name."""
+    blocks = [block for tag in ("transmission", "ros2_control") for block in model.robot.find_children(tag)]
+    named = {joint.get("name").strip() for block in blocks for joint in block.find_children("joint")}
+    return named | collect_plugin_texts(model)
 
 
 def _describe_addition(model: Model, links: list[Link]) -> str:

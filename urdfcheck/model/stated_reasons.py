@@ -16,6 +16,11 @@ _COMMENT_BEHIND = re.compile(r"[^\r\n<]*<!--(.*?)-->", re.DOTALL)
 _REACH = 600
 # A link that stands for no part. Dummy numbers are another matter.
 _DUMMY_LINK = re.compile(r"\bdummy[ -](?:link|body|frame)s?\b", re.IGNORECASE)
+# A link or joint that is there for its frame: it is drawn in RViz, or a controller's model has it.
+_VIRTUAL_PART = re.compile(
+    r"\bvirtual\b|\bfor (?:the )?(?:visuali[sz]|display|rviz|tf)|\b(?:allows?|helps?) (?:\w+ )?(?:visuali[sz]|display)",
+    re.IGNORECASE,
+)
 # Words that give a reason for the numbers. That they are dummies is none, for they may still have to be replaced; nor is that an
 # inertial is needed, whatever it says.
 _REASON = re.compile(
@@ -53,6 +58,15 @@ def is_called_dummy(model: Model, link: Element) -> bool:
     if span is None or file is None:
         return False
     return _DUMMY_LINK.search(_find_comment_before(file.text, span.start)) is not None
+
+
+def is_called_virtual(model: Model, element: Element) -> bool:
+    """Whether a comment right before a link or joint says that it is virtual, or there to be drawn."""
+    span = element.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None:
+        return False
+    return _VIRTUAL_PART.search(_find_comment_before(file.text, span.start)) is not None
 
 
 def _find_comment_before(text: str, place: int) -> str:
