@@ -175,6 +175,36 @@ def test_what_hardly_matters_is_an_info(tmp_path: Path, text: str, message: str,
     assert [(f.message_id, f.severity) for f in found if f.message_id != "always"] == [(message, severity)]
 
 
+def linkage(tube_leader: str = "lift", bar_leader: str = "lift") -> str:
+    """A body that is lifted off a post, and a bar on it that ends 1 cm in the post; a tube around both slides along the bar
+    as the body is lifted."""
+    tube = f'<mimic joint="{tube_leader}" multiplier="-1"/>' if tube_leader else ""
+    bar = f'<mimic joint="{bar_leader}" multiplier="0.05"/>' if bar_leader else ""
+    span = {"limit": 'lower="0" upper="0.2"', "axis": "0 0 1"}
+    return robot(
+        make_link("post", f"0 0 0.2|{box('0.03 0.03 0.4')}"),
+        make_joint("post", "lift", "0 0 0.89", "prismatic", **span).replace('name="post_lift"', 'name="lift"'),
+        make_link("lift", f"0 0 0.3|{sphere('0.05')}"),
+        make_joint("lift", "bar", "0 0 0", axis="0 1 0", limit='lower="0" upper="0.1"', mimic=bar),
+        make_link("bar", f"0 0 -0.25|{box('0.03 0.03 0.5')}"),
+        make_joint("bar", "tube", "0 0 -0.5", "prismatic", axis="0 0 1", limit='lower="-1" upper="1"', mimic=tube),
+        make_link("tube", box("0.05 0.05 0.3")),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("tube_leader", "bar_leader", "message"),
+    [("lift", "lift", "bar"), ("", "lift", "several"), ("lift", "", "several")],
+)
+def test_a_bar_that_ends_in_the_part_it_slides_into_is_an_info(
+    tmp_path: Path, tube_leader: str, bar_leader: str, message: str
+) -> None:
+    severity = Severity.INFO if message == "bar" else Severity.WARNING
+    found = find(tmp_path, linkage(tube_leader, bar_leader), "COL001")
+    (finding,) = [f for f in found if f.message_id != "always"]
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
 @pytest.mark.parametrize(("lower", "severity"), [(0.5, Severity.INFO), (-0.5, Severity.WARNING)])
 def test_an_overlap_in_a_pose_that_the_robot_is_never_in(tmp_path: Path, lower: float, severity: Severity) -> None:
     stand = make_joint("stand", "floor", "0 0 0", limit=f"lower='{lower}' upper='2'")

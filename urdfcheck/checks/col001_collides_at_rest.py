@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
+from itertools import permutations
 from typing import TYPE_CHECKING
 
 from urdfcheck.core import Confidence, Finding, Rule, Severity
@@ -71,14 +73,17 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
         if samples > 1 and pair.hit_share >= always and not _should_come_apart(collisions, pair, contact)
     ]
     rest = [item for item in deep if item not in by_design]
+    by_design_pairs = {frozenset(pair.links) for pair, _ in by_design}
     nested = [item for item in rest if _is_telescope(model, item[0])]
+    bars = [item for item in rest if item not in nested and _is_linkage_bar(model, item[0], by_design_pairs)]
     shallow = [
         item
         for item in rest
         if item not in nested
+        and item not in bars
         and (_is_shallow(item[1], slight) or (item[1].depth < _PADS * slight and _meets_at_stop(model, item[0])))
     ]
-    harmless = [*nested, *shallow]
+    harmless = [*nested, *bars, *shallow]
     for group in _group_by_shape([item for item in rest if item not in harmless]):
         is_unused = (
             all(_is_drawing(model, pair, contact, slight) for pair, contact in group)
@@ -86,7 +91,7 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             and not semantic_descriptions(model)
         )
         yield _build_overlap_finding(model, rule, group, samples=samples, is_unused=is_unused)
-    for message, overlaps in (("nested", nested), ("slight", shallow)):
+    for message, overlaps in (("nested", nested), ("bar", bars), ("slight", shallow)):
         if overlaps:
             yield rule.finding(
                 message,
@@ -232,6 +237,28 @@ def _is_telescope(model: Model, pair: CollisionPair) -> bool:
     if len(known) < len(moving) or len(known) < _LEAST_STAGES:
         return False
     return all(abs(float(axis @ known[0])) > _PARALLEL for axis in known)
+
+
+def _is_linkage_bar(model: Model, pair: CollisionPair, by_design: AbstractSet[frozenset[str]]) -> bool:
+    """Whether two links are a bar of a linkage and the part that it slides into: one slide moves everything between them, and a
+    third link, which slides along one of them as that moves, overlaps the other by design, as a tube around both does."""
+    moving = _list_joints_between(model, pair)
+    drives = {joint.name if joint.mimic is None else joint.mimic.get("joint").strip() for joint in moving}
+    if len(drives) != 1 or all(joint.type == "prismatic" for joint in moving):
+        return False
+    drive = next((joint for joint in model.joints if joint.name in drives), None)
+    if drive is None or drive.type != "prismatic":
+        return False
+    return any(
+        tube.type == "prismatic"
+        and tube.mimic is not None
+        and tube.mimic.get("joint").strip() in drives
+        and any(
+            tube.parent == bar and frozenset((tube.child, other)) in by_design
+            for bar, other in permutations(pair.links)
+        )
+        for tube in model.joints
+    )
 
 
 def _is_fixed_beyond(inner: Sequence[Joint], outer: Sequence[Joint]) -> bool:
