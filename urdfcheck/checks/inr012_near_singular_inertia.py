@@ -67,10 +67,10 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
 
 def _is_held_mark(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a body marks a place, on a joint whose limits leave no room, as Gazebo's models have it to keep a frame apart."""
-    from urdfcheck.model.inertials.habits.minor_findings import has_room, is_lost
+    from urdfcheck.model.inertials.habits.minor_findings import is_lost
 
     joint = model.pieces.parent_joint.get(body.links[0])
-    held = joint is not None and not has_room(joint)
+    held = joint is not None and not joint.has_room
     return held and all(is_lost(model, model.link_by_name[name]) for name in body.links if name in model.mass_by_name)
 
 

@@ -28,7 +28,7 @@ from urdfcheck.facts.likeness.mirror import (
     measure_principal_deviation,
 )
 from urdfcheck.model import DeclaredTensor, Joint, Link, Model
-from urdfcheck.model.inertials.habits.minor_findings import has_room, set_lost_aside
+from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
 from urdfcheck.model.inertials.inertial_differences import describe_differences, locate_difference
 from urdfcheck.model.inertials.inertial_effects import has_unknown_mass, is_chance_decimal
@@ -761,7 +761,7 @@ def _build_limits_finding(rule: Rule, mismatch: MismatchedLimit, shares: _Shares
         mismatch.is_axis_negated or is_decimal or _may_be_in_degrees(joint)
     )
     severity = shares.choose_severity(mismatch.max_difference, mismatch.pair, cause)
-    if not any(map(has_room, (joint, twin))):
+    if not (joint.has_room or twin.has_room):
         severity = Severity.INFO
     return rule.finding(
         message,

@@ -413,6 +413,13 @@ class Joint:
         return read_attribute_number(self.limit, name)
 
     @property
+    def has_room(self) -> bool:
+        """Whether it moves: not where it is fixed, where its limits leave no room, or where it is held."""
+        lower, upper = self.get_limit_value("lower"), self.get_limit_value("upper")
+        is_limited = self.type in {"revolute", "prismatic"} and self.limit is not None and lower is not None
+        return self.is_movable and not (is_limited and lower == upper) and not self.is_held
+
+    @property
     def position_range(self) -> tuple[float, float] | None:
         """Lower and upper limit of a revolute (rad) or prismatic (m) joint; None if malformed, or if lower is not below upper."""
         lower, upper = self.get_limit_value("lower"), self.get_limit_value("upper")

@@ -11,7 +11,6 @@ import numpy as np
 from urdfcheck.core import Edit, Location
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_point, join_names, split_name_words
-from urdfcheck.model.inertials.habits.minor_findings import has_room
 from urdfcheck.model.likeness.mirror_pairs import PLACE, MirrorPair
 from urdfcheck.model.likeness.mirrored_joints import TURNING, MisplacedJoint, find_misplaced_joint
 from urdfcheck.model.likeness.odd_limbs import OddNumbers, iter_odd_numbers
@@ -90,7 +89,7 @@ class PlaceMistake:
     def is_unmoved(self) -> bool:
         """Whether it is in the axes of joints whose limits leave no room: nothing turns about them."""
         is_of_axes = self.message in _OF_AXES or self.data.get("what") == "axis"
-        return is_of_axes and not any(map(has_room, self.joints))
+        return is_of_axes and not any(joint.has_room for joint in self.joints)
 
 
 def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:

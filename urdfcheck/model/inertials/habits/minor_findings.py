@@ -280,22 +280,13 @@ def _find_moved_links(model: Model, name: str) -> tuple[Joint | None, list[str]]
     """Find the joint that moves a link, and all links that move with it; of a base all that is fixed to it."""
     pieces = model.pieces
     head, joint = name, pieces.parent_joint.get(name)
-    while joint is not None and not has_room(joint):
+    while joint is not None and not joint.has_room:
         head, joint = joint.parent, pieces.parent_joint.get(joint.parent)
     moved, queue = [], [head]
     while queue:
         moved.append(queue.pop())
-        queue += [one.child for one in pieces.child_joints[moved[-1]] if joint is not None or not has_room(one)]
+        queue += [one.child for one in pieces.child_joints[moved[-1]] if joint is not None or not one.has_room]
     return joint, moved
-
-
-def has_room(joint: Joint) -> bool:
-    """Whether a joint moves: not where it is fixed, or where its limits leave no room."""
-    if not joint.is_movable:
-        return False
-    lower, upper = joint.get_limit_value("lower"), joint.get_limit_value("upper")
-    is_shut = joint.type in _SLIDING | {"revolute"} and joint.limit is not None and lower is not None and lower == upper
-    return not (is_shut or joint.is_held)
 
 
 def _place_inertial(model: Model, name: str) -> tuple[float, Array, Array] | None:
