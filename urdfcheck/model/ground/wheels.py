@@ -97,12 +97,14 @@ def rolling_wheels(model: Model) -> tuple[Wheel, ...]:
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    wheels = [part for part in list_round_parts(model) if not _PROPELLER_NAME.search(_join_joint_names(part.joint))]
+    parts = list_round_parts(model)
     named = [
-        wheel
-        for wheel in wheels
-        if WHEEL_NAME.search(_join_joint_names(wheel.joint)) or CASTER_NAME.search(_join_joint_names(wheel.joint))
+        part
+        for part in parts
+        if WHEEL_NAME.search(_join_joint_names(part.joint)) or CASTER_NAME.search(_join_joint_names(part.joint))
     ]
+    # The rotor of a motor in a hub is named after its wheel, too.
+    wheels = [part for part in parts if part in named or not _PROPELLER_NAME.search(_join_joint_names(part.joint))]
     # One of several like wheels may have another name: what is as large, and turns about a parallel axis, is one as well.
     named = [wheel for wheel in wheels if any(_is_like(wheel, other) for other in named)]
     # A mesh that was not read may reach lower than all that is known.
