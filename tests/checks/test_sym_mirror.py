@@ -289,6 +289,32 @@ def test_the_axes_of_joints_without_room_are_a_note(
     assert ("no room" in finding.consequences["pinocchio"]) == (severity is Severity.INFO)
 
 
+@pytest.mark.parametrize(
+    ("span", "targets", "severity", "effect"),
+    [
+        ("0", (), Severity.INFO, "ignores equal limits: the joints turn about these axes"),
+        ("0", ("mujoco",), Severity.WARNING, "ignores equal limits: the joints turn about these axes"),
+        ("0.001", ("mujoco",), Severity.INFO, "loads it: the limits leave the joints no room"),
+        (None, (), Severity.WARNING, None),
+    ],
+    ids=["equal", "equal in MuJoCo", "close", "left out"],
+)
+def test_joints_turn_where_a_program_ignores_their_limits(
+    tmp_path: Path, span: str | None, targets: tuple[str, ...], severity: Severity, effect: str | None
+) -> None:
+    robot = with_(copy.deepcopy(ROBOT), "joint[@name='right_hand_joint']/axis", xyz="0.02 0 1")
+    for limit in (robot.find(f"joint[@name='{side}_hand_joint']/limit") for side in ("left", "right")):
+        assert limit is not None
+        for name, value in (("lower", f"-{span}"), ("upper", span)):
+            if span is None or value is None:
+                limit.attrib.pop(name)
+            else:
+                limit.set(name, value)
+    (finding,) = find(tmp_path, ET.tostring(robot, encoding="unicode"), "SYM004", targets=targets)
+    assert (finding.message_id, finding.severity) == ("axis", severity)
+    assert finding.consequences.get("mujoco") == effect
+
+
 @pytest.mark.parametrize(("span", "severity"), [(0, Severity.INFO), (1, Severity.WARNING)])
 def test_the_effort_of_joints_without_room_is_a_note(tmp_path: Path, span: float, severity: Severity) -> None:
     robot = with_(copy.deepcopy(ROBOT), "joint[@name='right_hand_joint']/limit", effort="4")

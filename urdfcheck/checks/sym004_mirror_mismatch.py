@@ -55,7 +55,7 @@ from urdfcheck.model.inertials.proposals.com_places import has_com_of_own_mesh
 from urdfcheck.model.inertials.typed_tensors import describe_typed_tensor
 from urdfcheck.model.inertials.unrelated_sides import UnlikeSides, compare_unrelated_sides, describe_slip
 from urdfcheck.model.likeness.mirror_pairs import MUCH_BETTER, MirrorPair, mirror_pairs
-from urdfcheck.model.likeness.mirror_places import iter_place_mistakes
+from urdfcheck.model.likeness.mirror_places import PlaceMistake, iter_place_mistakes
 from urdfcheck.model.likeness.mirrored_joints import (
     MismatchedLimit,
     are_limits_measured,
@@ -110,6 +110,7 @@ _UNREACHED = 100.0
 _NO_DRIVE = 1e4
 # What programs do with an axis about which the limits leave no room.
 _UNMOVED = dict.fromkeys(("pinocchio", "gazebo", "mujoco"), "loads it: the limits leave the joints no room")
+_FREED = {"mujoco": "ignores equal limits: the joints turn about these axes"}
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -146,8 +147,8 @@ def _check(model: Model, rule: Rule, *, differ: float, note: float) -> Iterator[
             related=mistake.related,
             cause=mistake.cause,
             edits=mistake.edits,
-            severity=Severity.INFO if mistake.is_minor or mistake.is_unmoved else None,
-            consequences=_UNMOVED if mistake.is_unmoved else None,
+            severity=Severity.INFO if mistake.is_minor or _is_unmoved(model, mistake) else None,
+            consequences=_UNMOVED | (_FREED if mistake.is_freed_by_mujoco else {}) if mistake.is_unmoved else None,
             **mistake.data,
         )
     reported: dict[str, set[str]] = {"inertial": set(), "dynamics": set()}
@@ -178,6 +179,11 @@ class _Shares:
 
 
 # -- inertials --------------------------------------------------------------------------------------------------------
+
+
+def _is_unmoved(model: Model, mistake: PlaceMistake) -> bool:
+    """Whether nothing turns about axes that are wrong, in any of the programs that are meant."""
+    return mistake.is_unmoved and not (mistake.is_freed_by_mujoco and "mujoco" in model.targets)
 
 
 def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _Shares) -> Finding | None:

@@ -87,9 +87,15 @@ class PlaceMistake:
 
     @property
     def is_unmoved(self) -> bool:
-        """Whether it is in the axes of joints whose limits leave no room: nothing turns about them."""
+        """Whether it is in the axes of joints whose limits leave no room. Not where these are left out: most simulators read no
+        limits then."""
         is_of_axes = self.message in _OF_AXES or self.data.get("what") == "axis"
-        return is_of_axes and not any(joint.has_room for joint in self.joints)
+        return is_of_axes and not any(joint.has_room or _lacks_limits(joint) for joint in self.joints)
+
+    @property
+    def is_freed_by_mujoco(self) -> bool:
+        """Whether MuJoCo moves one of the joints whose limits leave no room: it ignores limits that are equal (JNT005)."""
+        return not all(joint.is_held for joint in self.joints if joint.is_movable)
 
 
 def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
@@ -103,6 +109,11 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
         if not links & reported and not are_measured(mistake.joints):
             reported |= links
             yield mistake
+
+
+def _lacks_limits(joint: Joint) -> bool:
+    """Whether a ``<limit>`` has neither end of the range (JNT004)."""
+    return joint.is_movable and joint.limit is not None and joint.limit.attributes.keys().isdisjoint({"lower", "upper"})
 
 
 def _iter_all_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[PlaceMistake]:
