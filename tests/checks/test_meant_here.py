@@ -204,8 +204,9 @@ VIRTUAL = "<!-- virtual joint that shows in RViz where the car is steering -->"
         (VIRTUAL, command("steering", "turning"), {Severity.WARNING}),
         (VIRTUAL, link("tip", inertial(1.0)) + joint("tilting", "roll", "tip", kind="continuous"), {Severity.WARNING}),
         (VIRTUAL, visual(box("0.1 0.1 0.1")), {Severity.WARNING}),
+        (VIRTUAL, '<gazebo reference="roll"><sensor name="s" type="imu"/></gazebo>', {Severity.WARNING, Severity.INFO}),
     ],
-    ids=["virtual", "no comment", "another comment", "driven", "mass behind", "drawn"],
+    ids=["virtual", "no comment", "another comment", "driven", "mass behind", "drawn", "sensor"],
 )
 def test_frames_without_mass_that_are_called_virtual_are_an_info(
     tmp_path: Path, comment: str, more: str, severities: set[Severity]

@@ -8,19 +8,17 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
-from urdfcheck.model.gazebo import collect_plugin_texts
+from urdfcheck.model.gazebo import collect_plugin_texts, list_sensors
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.stated_reasons import is_called_virtual
 from urdfcheck.model.use.display import has_bare_joints, is_loaded_for_frames
 from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf, is_left_to_world, is_spawned_in_gazebo
-from urdfcheck.model.use.simulators import is_modelled_for_mujoco, is_started_in_simulator
+from urdfcheck.model.use.simulators import SIMULATORS, is_modelled_for_mujoco, is_started_in_simulator
 from urdfcheck.source.text.grammar import JOINT_TYPES
 from urdfcheck.source.xacro.usage import find_unprefixed_tags
 
-# The targets that simulate robots.
-_SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # Those that stop, or compute with what they assume, where a body that moves has no mass. Gazebo drops the link.
-_WEIGHING = _SIMULATORS - {"gazebo"} | {"pinocchio"}
+_WEIGHING = SIMULATORS - {"gazebo"} | {"pinocchio"}
 # MuJoCo's treatment of a body without mass.
 INFERS = "replaces the missing inertial by that of the collision geometry at 1000 kg/m³"
 # Isaac Sim's, where no collision geometry says how large the body is.
@@ -42,12 +40,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not moving:
         return
     if all(link.inertial is None for link in model.links):
-        if is_modelled_for_mujoco(model) and not _SIMULATORS.intersection(model.targets):
+        if is_modelled_for_mujoco(model) and not SIMULATORS.intersection(model.targets):
             return
         solid = all(has_collision_geometry(model, body) for body in moving)
         is_simulated = is_started_in_simulator(model) and not gives_gazebo_sdf(model) and not is_left_to_world(model)
         yield rule.finding(
-            "kinematic" if _SIMULATORS.intersection(model.targets) or is_simulated else "display",
+            "kinematic" if SIMULATORS.intersection(model.targets) or is_simulated else "display",
             at=model.name_location,
             severity=Severity.WARNING if is_simulated and is_spawned_in_gazebo(model) else Severity.INFO,
             consequences={"mujoco": INFERS if solid else REFUSES},
@@ -57,7 +55,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         )
         return
     is_known = all(model.tree.parent_joint[body.links[0]].type in JOINT_TYPES for body in moving)
-    if is_known and has_bare_joints(model) and not _SIMULATORS.intersection(model.targets):
+    if is_known and has_bare_joints(model) and not SIMULATORS.intersection(model.targets):
         yield rule.finding(
             "drawing",
             at=model.name_location,
@@ -105,12 +103,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_virtual(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a comment says that a body, or one before it that has no mass either, is virtual, and nothing drives its joint: it
-    is there for its frame, which no simulator has to move. Not where a program that needs masses is meant."""
+    is there for its frame, which no simulator has to move. Not where a program that needs masses is meant, nor where a sensor of
+    Gazebo is on it, which is dropped with it."""
     if not _WEIGHING.isdisjoint(model.targets) or model.robot.find_child("mujoco") is not None:
         return False
     tree = model.tree
     joint = tree.parent_joint[body.links[0]]
-    if joint.name in _collect_driven_names(model):
+    places = {joint.name, *body.links}
+    if joint.name in _collect_driven_names(model) or any(s.reference in places for s in list_sensors(model)):
         return False
     while True:
         elements = (joint.element, *(model.link_by_name[name].element for name in tree.list_body_links(joint.child)))

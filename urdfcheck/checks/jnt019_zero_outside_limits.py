@@ -14,7 +14,7 @@ from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.use.display import has_bare_joints
 from urdfcheck.model.use.gazebo_starts import is_started_elsewhere
-from urdfcheck.model.use.simulators import is_simulated, is_simulated_hardware, is_started_in_simulator
+from urdfcheck.model.use.simulators import SIMULATORS, is_simulated, is_simulated_hardware, is_started_in_simulator
 from urdfcheck.source.text.values import parse_number
 
 _LEAST_LEGS = 4
@@ -27,8 +27,6 @@ _MOCK_HARDWARE = re.compile(r"mock_components|fake_components")
 _CONTROL_PLUGIN = re.compile(r"ros2?_control|[Jj]oint[-_]?([Pp]osition|[Tt]rajectory)[-_]?[Cc]ontroller")
 
 
-# Targets that start every joint at zero, whatever an SRDF says.
-_SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # m, and a share of the range: fingers that never quite close are drawn so near to where they start (chosen).
 _NEAR_SLIDE, _MOST_NEAR = 0.005, 0.25
 
@@ -45,7 +43,8 @@ def check(model: Model, rule: Rule, *, rel_tol: float, notable: float, near: flo
             outside.append(joint)
         elif 0 in span:
             limiting.append(joint)
-    is_asked = not _SIMULATORS.isdisjoint(model.targets)
+    # Simulators start every joint at zero, whatever an SRDF says.
+    is_asked = not SIMULATORS.isdisjoint(model.targets)
     if outside and not (is_asked or is_simulated(model) or _is_started_by_controllers(model)):
         stated = _collect_stated_starts(model)
         outside = [joint for joint in outside if joint.name not in stated]
