@@ -698,6 +698,16 @@ def test_the_rail_of_a_gantry_is_as_long_as_what_it_travels(
     assert bool(find(tmp_path, text, "MSH008")) == found
 
 
+def test_a_lift_in_millimetres_is_no_gantry(tmp_path: Path) -> None:
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, 80.0))
+    text = robot(
+        *(link(name, shape("visual")) for name in ("column", "carriage", "arm")),
+        joint("lifts", "column", "carriage", limit(0, 50), kind="prismatic"),
+        joint("turns", "carriage", "arm", kind="continuous", xyz="0.05 0 0"),
+    )
+    assert [finding.message_id for finding in find(tmp_path, text, "MSH008")] == ["large"]
+
+
 @pytest.mark.parametrize(
     ("size", "scale", "step", "reported"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -15,6 +16,7 @@ from urdfcheck.model.fact import fact
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.parts import Joint, Shape
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.primitive_boxes import compute_half_extents
 from urdfcheck.model.shapes.solids import compute_drawn_scale, measure_shape_solid
 
 if TYPE_CHECKING:
@@ -96,7 +98,10 @@ class MeshSizes:
 def measure_mesh_sizes(model: Model, *, largest: float, ratio: float, smallest: float) -> MeshSizes:
     """Measure every use of a mesh, and find what is wrong with its size."""
     reach = _measure_reach(model)
-    most = max(largest, ratio * reach, _LIKE_GANTRY * _measure_gantry(model))
+    most = max(largest, ratio * reach)
+    travel = _measure_gantry(model)
+    if travel > 0 and _draws_part_within(model, most):
+        most = max(most, _LIKE_GANTRY * travel)
     limits, usual = SizeLimits(reach, smallest, most), _find_usual_scale(model)
     meshes = (_measure_mesh(model, use, limits, usual=usual) for use in model.meshes.uses)
     return MeshSizes(limits, usual, tuple(mesh for mesh in meshes if mesh is not None))
@@ -215,6 +220,26 @@ def _measure_gantry(model: Model) -> float:
         (travel + float(np.linalg.norm(frames[name][:3, 3])) for name, travel in farthest.items() if travel),
         default=0.0,
     )
+
+
+def _draws_part_within(model: Model, most: float) -> bool:
+    """Whether some shape is not longer than this (m), or of unknown size: a robot whose meshes and limits are all in millimetres
+    has none."""
+    shapes = (shape for link in model.links for shape in (*link.visuals, *link.collisions))
+    return any(not _measure_length(model, shape) > most for shape in shapes)
+
+
+def _measure_length(model: Model, shape: Shape) -> float:
+    """Measure the longest edge of the box of a shape (m); NaN if unknown."""
+    if shape.kind is None or shape.size is None:
+        return math.nan
+    if shape.kind != "mesh":
+        return 2.0 * max(compute_half_extents(shape.kind, shape.size, np.eye(3).tolist()))
+    facts, scale = model.meshes.get_facts(shape), compute_drawn_scale(model, shape)
+    if facts is None or scale is None:
+        return math.nan
+    with np.errstate(over="ignore", invalid="ignore"):
+        return float((np.ptp(facts.bounds, axis=0) * np.abs(scale)).max())
 
 
 def _is_drawn(model: Model, link: str) -> bool:
