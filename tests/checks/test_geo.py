@@ -167,6 +167,7 @@ def test_a_moving_link_that_is_drawn_and_not_touched(tmp_path: Path) -> None:
     ("name", "mass", "effort", "message"),
     [
         ("antenna", 0.001, 0, "light"),
+        ("bumper", 0.001, 0, "missing"),
         ("antenna", 0.001, 2, "missing"),
         ("antenna", 0.1, 0, "missing"),
         ("finger", 0.001, 0, "missing"),

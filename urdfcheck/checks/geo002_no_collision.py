@@ -12,6 +12,7 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
+from urdfcheck.model.gazebo import list_sensors
 from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.fixed_base import HANDLING_NAME
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
 # Names of links that stand for nothing that touches, and the share of the robot's mass that such a link has at most.
 _SHOWN_NAME = re.compile(r"virtual|dummy|marker|indicator", re.IGNORECASE)
 _NO_MASS = 1e-3
+_BUMPER_NAME = re.compile(r"bumper", re.IGNORECASE)
 # What MuJoCo does where the file tells it to keep visuals (checked with MuJoCo 4.0).
 _UNUSED = "No SRDF was found in its package, and no file there names the model beside a simulator"
 _OF_TESTS = "It is in a folder of tests, which may need none"
@@ -119,9 +121,12 @@ def _check_bodies(model: Model, rule: Rule, *, sheltered: float, majority: float
 
 def _is_light_and_loose(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a body at the end of its branch weighs next to nothing, and its joint has an effort of 0 where others have one: an
-    antenna or an ornament. Not what has to touch something, by its name."""
+    antenna or an ornament. Not what has to touch something, by its name or its sensor: a bumper moves by what hits it."""
     joint = model.tree.parent_joint[body.links[0]]
     if joint.get_limit_value("effort") != 0 or _handles_or_rolls(joint) or any(_list_moved_links(model, body)):
+        return False
+    feels = any(sensor.type == "contact" and sensor.reference in body.links for sensor in list_sensors(model))
+    if feels or _BUMPER_NAME.search(f"{joint.name} {joint.child}"):
         return False
     return _weighs_nothing(model, body) and any((other.get_limit_value("effort") or 0.0) > 0 for other in model.joints)
 
