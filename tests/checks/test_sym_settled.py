@@ -362,6 +362,26 @@ def test_extrinsics_of_many_digits_were_measured(
     assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
 
 
+@pytest.mark.parametrize(("x", "y", "kinds"), [(0.1, 0.2, ["slip"]), (0.1034, 0.2021, [])])
+def test_places_that_differ_in_signs_alone_were_not_measured(
+    tmp_path: Path, x: float, y: float, kinds: list[str]
+) -> None:
+    """Both cameras are at the left; the angles are their own."""
+    parts = [link("base", visual(box("0.4 0.2 0.1")))]
+    angles = {"left": "-0.0152290274 0.510627488 0.3", "right": "0.0323779520 0.531011188 -0.3"}
+    for side, sign in (("left", 1), ("right", -1)):
+        for part, along in (("leg", -0.1), ("ear", 0.2)):
+            parts.append(link(f"{side}_{part}", visual(box("0.1 0.04 0.02"), xyz=f"0.03 {0.01 * sign} 0.02")))
+            at = f"{along} {0.2 * sign} 0"
+            parts.append(
+                joint(f"{side}_{part}_joint", "base", f"{side}_{part}", kind="continuous", xyz=at, axis="0 1 0")
+            )
+        parts.append(link(f"{side}_camera", visual(box("0.1 0.04 0.02"), xyz=f"0.03 {0.01 * sign} 0.02")))
+        place = "0.1 0.2 0" if sign > 0 else f"{x} {y} 0"
+        parts.append(joint(f"{side}_camera_joint", "base", f"{side}_camera", kind="fixed", xyz=place, rpy=angles[side]))
+    assert [finding.message_id for finding in find_places(tmp_path, *parts)] == kinds
+
+
 @pytest.mark.parametrize(
     ("mount", "own", "places", "kind", "found"),
     [

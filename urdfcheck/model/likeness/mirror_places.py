@@ -41,6 +41,8 @@ if TYPE_CHECKING:
 
 # Messages that are about the directions of axes alone.
 _OF_AXES = frozenset({"axis", "opposed", "steering", "together", "crosswise", "reversed"})
+# Those that are about angles alone.
+_OF_ANGLES = frozenset({"turned", "turned_pair"})
 # Metres within which two exports of one assembly differ in several coordinates, each by this share of the distance (chosen).
 _MINOR, _NOTABLE = 5e-3, 0.2
 # A place is off along an axis where it is off by no more than this share in other directions, and an axis is across a line that
@@ -106,7 +108,7 @@ def iter_place_mistakes(model: Model, pairs: Sequence[MirrorPair]) -> Iterator[P
     reported: set[str] = set()
     for mistake in _iter_all_mistakes(model, pairs):
         links = {joint.child for joint in mistake.joints}
-        if not links & reported and not are_measured(mistake.joints):
+        if not links & reported and not are_measured(mistake.joints, is_of_angles=mistake.message in _OF_ANGLES):
             reported |= links
             yield mistake
 

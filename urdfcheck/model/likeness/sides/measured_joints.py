@@ -11,16 +11,27 @@ from urdfcheck.source.text.handed_values import find_typed_value
 
 # Angles of two exports of one assembly differ by less (rad; chosen).
 _OWN = 1e-4
+# So do the coordinates of their places (m; chosen).
+_OWN_PLACE = 1e-5
 # A calibration writes so many significant digits or more, of so many angles (chosen): a slip of one angle changes one.
 _DIGITS, _ANGLES = 6, 2
 
 
-def are_measured(joints: Sequence[Joint]) -> bool:
-    """Whether a fixed joint is named as a calibration, or two that are fixed have angles of their own with many digits."""
+def are_measured(joints: Sequence[Joint], *, is_of_angles: bool) -> bool:
+    """Whether a fixed joint is named as a calibration, or two that are fixed have angles of their own with many digits. Their
+    places were not measured if they differ in nothing but signs; ``is_of_angles``: whether only the angles matter."""
     fixed = [joint for joint in joints if joint.type == "fixed"]
     if any(word.lower().startswith("calib") for joint in fixed for word in split_name_words(joint.name)):
         return True
-    return len(fixed) == len(joints) == 2 and _have_own_angles(*fixed)
+    if not len(fixed) == len(joints) == 2 or not _have_own_angles(*fixed):
+        return False
+    return is_of_angles or not _have_one_place(*fixed)
+
+
+def _have_one_place(one: Joint, other: Joint) -> bool:
+    """Whether the coordinates of two joints are alike, apart from signs."""
+    places = (joint.origin.xyz or (0.0, 0.0, 0.0) for joint in (one, other))
+    return all(abs(abs(first) - abs(second)) < _OWN_PLACE for first, second in zip(*places, strict=True))
 
 
 def _have_own_angles(one: Joint, other: Joint) -> bool:
