@@ -276,6 +276,7 @@ def test_an_overlap_on_one_body_is_in_every_state(tmp_path: Path) -> None:
         ('<node pkg="gait" exec="engine" args="$(find-pkg-share arm)/arm.srdf"/>', Severity.INFO),
         ('<node pkg="moveit_ros_move_group" exec="move_group" args="arm.srdf"/>', Severity.WARNING),
         ('<node pkg="gait" exec="engine" args="$(find-pkg-share arm)/arm.urdf"/>', Severity.WARNING),
+        ('<param name="robot_description_semantic" textfile="$(find arm)/arm.srdf"/>', Severity.WARNING),
     ],
 )
 def test_pairs_of_a_description_that_no_planner_reads_are_an_info(

@@ -21,6 +21,8 @@ from urdfcheck.model.use.display import is_checked_for_collisions
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.source.ros.srdf import Srdf, is_set_up_for_another
 
+# Where MoveIt's programs read an SRDF.
+_PARAMETER = "robot_description_semantic"
 # COL001 warns of overlaps that are deeper (m), but for poses in which a robot never is.
 _DEEP = 2e-3
 
@@ -78,9 +80,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_for_other_programs(model: Model, srdf: Srdf) -> bool:
     """Whether files of a project give the semantic description to a program, and none of them names MoveIt or another program
-    that checks for collisions: what reads the description reads its groups and states."""
-    own = compile_names((srdf.path.name,))
-    is_read = any(map(own.search, list_project_texts(model)))
+    that checks for collisions: what reads the description reads its groups and states. Not where it becomes MoveIt's
+    parameter, which a planner in another project may read."""
+    own, texts = compile_names((srdf.path.name,)), list_project_texts(model)
+    is_read = any(map(own.search, texts)) and not any(_PARAMETER in text for text in texts)
     return model.source.package is not None and is_read and not is_checked_for_collisions(model)
 
 
