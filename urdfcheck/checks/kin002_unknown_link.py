@@ -162,8 +162,8 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         else:
             file, template = _find_completing_file(model, called), alone
             template = _COMPLETING + template if file else template
-        # Where no package shows that ROS loads the file, it may be for Drake alone.
-        is_for_drake = called in _WORLD and not is_child and model.source.package is None
+        # Where neither a package nor a robot that includes the file shows what loads it, it may be for Drake alone.
+        is_for_drake = called in _WORLD and not is_child and model.source.package is None and including is None
         template = _OF_DRAKE if is_for_drake else template
         data["repair"] = template.format(called=data["called"], file=file, naming=_describe_naming(attributes[0]))
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.

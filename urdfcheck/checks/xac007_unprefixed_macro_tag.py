@@ -161,8 +161,9 @@ def _build_refused_finding(
     source: Source, rule: Rule, elements: Sequence[Element], reason: str, remedy: str
 ) -> Finding:
     """Report together the definitions of a file at which xacro stops once they have the prefix, so that no edit adds it."""
-    used = [element for element in elements if _is_used(source, element)]
-    elements = used + [element for element in elements if element not in used]
+    computed = _read_expressions(source)
+    used = {id(element) for element in elements if _is_used(source, element, computed)}
+    elements = sorted(elements, key=lambda element: id(element) not in used)
     tag = elements[0].tag
     severity = Severity.WARNING if source.root is not None and tag != "macro" else None
     finding = rule.finding(
@@ -180,13 +181,19 @@ def _build_refused_finding(
     return replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
 
 
-def _is_used(source: Source, element: Element) -> bool:
-    """Whether an expression of the files holds the name of a property, a mere text there, or a tag calls a macro."""
+def _is_used(source: Source, element: Element, computed: str) -> bool:
+    """Whether ``computed``, the expressions of the files, holds the name of a property, a mere text there, or a tag calls a
+    macro."""
     if element.tag == "macro":
         return not _is_uncalled(source, element)
-    name = re.compile(rf"(?<![\w.]){re.escape(element.get('name'))}(?![\w.])")
-    return any(
-        name.search(expression[0])
+    name = element.get("name")
+    return name in computed and re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", computed) is not None
+
+
+def _read_expressions(source: Source) -> str:
+    """Return all expressions of the files, one below the other."""
+    return "\n".join(
+        expression[0]
         for tree in source.trees.values()
         for inner in tree.walk()
         for text in (*(a.value for a in inner.attributes.values()), inner.text)

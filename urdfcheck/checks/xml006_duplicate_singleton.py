@@ -41,7 +41,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
     removed = [one for one in same if one is not kept] if message == "empty" or identical else []
-    inserted = [_is_inserted(model, element, one) for one in same]
+    inserted = [model.source.is_xacro and _is_inserted(model, element, one) for one in same]
     edits = [edit for other in removed for edit in build_removal_edits(other, model.source.files)]
     # A call must have its block, and what is typed once cannot lose one of two.
     is_certain = len(edits) == len(same) - 1 and not any(inserted) and len({one.span for one in same}) == len(same)

@@ -48,7 +48,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
     """Report all shapes that refer to one undefined name together."""
-    used = [m for link in model.links for shape in link.visuals for m in shape.element.find_children("material")[:1]]
+    shapes = {id(shape.element): (link.name, shape) for link in model.links for shape in link.visuals}
+    used = [m for _, shape in shapes.values() for m in shape.element.find_children("material")[:1]]
     defined = {m.get("name") for m in model.robot.find_children("material") if _has_appearance(m)}
     everywhere = defined | {m.get("name") for m in used if _has_appearance(m)}
     without: dict[str, list[Element]] = {}
@@ -74,7 +75,8 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             repair="" if name in everywhere else _describe_repair(model, name, everywhere, unused),
         )
         # What no program loads looks like nothing, nor does what is too small, or what only Gazebo draws in its own colour.
-        is_unseen = _are_specks(model, materials) or _are_coloured_by_gazebo(model, materials)
+        links, drawn = zip(*(shapes[id(material.parent)] for material in materials), strict=True)
+        is_unseen = all(map(_is_speck, drawn)) or _are_coloured_by_gazebo(model, links)
         is_note = _is_left_aside(model) or (is_unseen and not _is_for_drake(model))
         yield replace(finding, severity=Severity.INFO) if is_note else finding
 
@@ -84,28 +86,22 @@ def _is_for_drake(model: Model) -> bool:
     return "drake" in model.targets or any("drake" in text for text in list_project_texts(model))
 
 
-def _are_specks(model: Model, materials: Collection[Element]) -> bool:
-    """Whether all shapes of these materials are too small to be seen: they stand for a frame."""
-    shapes = [shape for link in model.links for shape in link.visuals]
-    return all(_is_speck(shape) for shape in shapes if any(m.parent is shape.element for m in materials))
-
-
 def _is_speck(shape: Shape) -> bool:
+    """Whether a shape is too small to be seen: it stands for a frame."""
     kind, size = shape.kind, shape.size
     if kind in {None, "mesh"} or not size:
         return False
     return (max(size) if kind == "box" else 2 * size[0] if kind == "sphere" else max(2 * size[0], size[1])) <= _SPECK
 
 
-def _are_coloured_by_gazebo(model: Model, materials: Collection[Element]) -> bool:
-    """Whether blocks of Gazebo colour all links of shapes with these materials, and nothing else draws the robot."""
+def _are_coloured_by_gazebo(model: Model, links: Collection[str]) -> bool:
+    """Whether blocks of Gazebo colour all these links, and nothing else draws the robot."""
     coloured = {
         block.get("reference")
         for block in model.robot.find_children("gazebo")
         if any(element.tag == "material" for element in block.walk())
     }
-    links = {link.name for link in model.links for s in link.visuals if any(m.parent is s.element for m in materials)}
-    return links <= coloured and is_only_for_gazebo(model)
+    return coloured.issuperset(links) and is_only_for_gazebo(model)
 
 
 def _is_left_aside(model: Model) -> bool:

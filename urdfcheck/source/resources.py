@@ -194,7 +194,7 @@ def find_in_project(use: ResourceUse, source: Source) -> Path | None:
     """Return the file that a path in a package means in the model's own project, whatever package has the name."""
     inside = get_path_in_package(use.resource.text, use.resource.package or "")
     paths = (folder / inside for folder in source.finder.list_parent_folders())
-    return next((path for path in paths if source.finder.can_open(path) and path.is_file()), None)
+    return next((path for path in paths if source.finder.can_open(path) and os.path.isfile(path)), None)
 
 
 def describe_project_path(files: Iterable[Path], source: Source) -> str:

@@ -65,6 +65,7 @@ def is_only_made_into_sdf(model: Model) -> bool:
     return any(map(_CONVERTS.search, naming)) and not any(map(_FRAMES.search, naming))
 
 
+@fact
 def is_only_for_gazebo(model: Model) -> bool:
     """Whether the files of the model's package, and those of packages that depend on it and name the model's file, name Gazebo,
     and no program that draws or reads the robot by itself. Manifests do not count: they name what is only copied."""

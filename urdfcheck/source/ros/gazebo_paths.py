@@ -8,12 +8,13 @@ from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.similar_files import index_files
+from urdfcheck.source.text.xml import COMMENT
 
 # The variables of the paths on which Gazebo looks for `model://`, and the attribute of an export in a package.xml that sets one.
 RESOURCE_PATH = re.compile(r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH|SDF_PATH")
 # How a launch file or an export names the folder of a package itself.
 _SHARE = re.compile(r"get_package_share|FindPackageShare|\$\(find[\s-]|\$\{prefix\}")
-_COMMENT = re.compile(r"<!--.*?-->|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
+_REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +35,9 @@ def find_gazebo_folder(package: Path, texts: Iterable[tuple[Path, str]], paths: 
     """
     folders = _list_folders_with(package, paths)
     for file, text in texts if folders else ():
-        plain = _COMMENT.sub("", text)
+        if RESOURCE_PATH.search(text) is None:
+            continue
+        plain = _REMARK.sub("", COMMENT.sub("", text))
         variable = RESOURCE_PATH.search(plain)
         for folder in folders if variable is not None else ():
             name = _SHARE if folder == package else re.compile(rf"[\"'/]{re.escape(folder.name)}(?=[\"'/:;,)\s])")

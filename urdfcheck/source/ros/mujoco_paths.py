@@ -16,7 +16,8 @@ def is_found_by_mujoco(text: str, source: Source) -> bool:
     if not name and not strips:
         return False
     path = folder / (text.replace("\\", "/").rpartition("/")[2] if strips else text)
-    return source.finder.can_open(path) and path.is_file()
+    # os.path, because pathlib raises if a name is too long.
+    return source.finder.can_open(path) and os.path.isfile(path)
 
 
 def describe_mujoco_path(files: Iterable[Path], source: Source) -> str:

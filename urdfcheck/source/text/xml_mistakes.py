@@ -319,7 +319,7 @@ def _describe_surplus_tag(
 
 def _find_last_element(text: str, name: str, end: int) -> tuple[int, int] | None:
     """Return where the last element of a name with an end tag before an offset begins, and where that tag is."""
-    tags = re.compile(rf"<!--.*?-->|<(/?){re.escape(name)}(?=[\s/>])[^<>]*>", re.DOTALL)
+    tags = re.compile(rf"<!--.*?(?:-->|\Z)|<(/?){re.escape(name)}(?=[\s/>])[^<>]*>", re.DOTALL)
     opened, last = list[int](), None
     for tag in tags.finditer(text, 0, end):
         if tag[1] == "/" and opened:
