@@ -1842,6 +1842,28 @@ def test_an_argument_is_missing_where_the_model_is_started(
     assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing
 
 
+@pytest.mark.parametrize(("depends", "severity"), [(True, Severity.ERROR), (False, Severity.WARNING)])
+def test_a_package_that_depends_on_the_model_starts_it_too(tmp_path: Path, depends: bool, severity: Severity) -> None:
+    command = "xacro $(find car)/urdf/car.urdf.xacro"
+    files = {
+        "car/package.xml": "<package><name>car</name></package>",
+        "car/urdf/car.urdf.xacro": HEAD + '<link name="$(arg side)"/></robot>',
+        "go/package.xml": f"<package><name>go</name>{'<run_depend>car</run_depend>' * depends}</package>",
+        "go/car.launch": f'<launch><param name="robot_description" command="{command}"/></launch>',
+    }
+    (tmp_path / ".git").mkdir()
+    model = write(tmp_path, files) / "car/urdf/car.urdf.xacro"
+    assert only(check(model, codes={"XAC010"})).severity is severity
+
+
+def test_the_one_that_is_used_is_first_among_names_that_xacro_refuses(tmp_path: Path) -> None:
+    """The one that is used is named first, and the expressions are read once for all of them."""
+    text = "".join(f'<property name="a-{number}" value="1"/>' for number in range(2000))
+    found = xacro(tmp_path, text + '<link name="b${a-1999}"/>', {"XAC007"}).findings
+    finding = next(f for f in found if f.message_id == "refused")
+    assert finding.data["names"].startswith("a-1999, a-0, ")
+
+
 @pytest.mark.parametrize(
     ("passed", "severity"), [("side:=$(env SIDE)", Severity.WARNING), ("size:=$(env SIDE)", Severity.ERROR)]
 )

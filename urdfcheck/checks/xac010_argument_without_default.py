@@ -32,7 +32,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
         is_aside = passing is None and is_named_nowhere(source) and is_certainly_left_aside(source)
-        # A template: its own package shows no start of it without the values, and so no start that fails.
+        # A template: no package that must know it shows a start of it without the values, and so no start that fails.
         is_aside |= source.package is not None and not is_named_by_launch(source.path, source.finder)
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"

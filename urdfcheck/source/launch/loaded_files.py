@@ -10,7 +10,7 @@ from pathlib import Path
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
-from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
 from urdfcheck.system.files import read_text_or_nothing
 
 _COMMENT = re.compile(r"<!--.*?(?:-->|\Z)|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
@@ -33,8 +33,11 @@ def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> b
 
 
 def is_named_by_launch(path: Path, finder: PackageFinder) -> bool:
-    """Whether a launch file of the package of a model's file names it, or computes a name that may be its own."""
-    return any(True for _ in itertools.chain(_iter_launch_texts(path, finder), _iter_computing_texts(path, finder)))
+    """Whether a launch file of the package of a model's file, or of one that depends on it, names the file, or computes a name
+    that may be its own."""
+    named = compile_names((path.name,))
+    texts = (text for _, text in _iter_package_launches(path, finder, with_dependents=True))
+    return any(named.search(text) is not None or _may_compute_name(path, text) for text in texts)
 
 
 def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
@@ -68,19 +71,30 @@ def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path
 
 def _iter_computing_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
     """Yield the launch files of the package of a model's file that compute a name which may be its own, each with its text."""
-    for launch, text in _iter_package_launches(path, finder):
-        ends = {name for name in _MODEL_NAME.findall(text) if name.startswith((".", "_"))}
-        begins = _BEGIN_OF_NAME.findall(text)
-        if any(path.name.endswith(end) for end in ends) and any(map(path.name.startswith, begins)):
-            yield launch, text
+    launches = _iter_package_launches(path, finder)
+    return ((launch, text) for launch, text in launches if _may_compute_name(path, text))
 
 
-def _iter_package_launches(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
-    """Yield the launch files of the package of a file, each with its text."""
+def _may_compute_name(path: Path, text: str) -> bool:
+    """Whether a launch file types the begin and the end of a file's name, and may compute what is between them."""
+    ends = {name for name in _MODEL_NAME.findall(text) if name.startswith((".", "_"))}
+    begins = _BEGIN_OF_NAME.findall(text)
+    return any(path.name.endswith(end) for end in ends) and any(map(path.name.startswith, begins))
+
+
+def _iter_package_launches(
+    path: Path, finder: PackageFinder, *, with_dependents: bool = False
+) -> Iterator[tuple[Path, str]]:
+    """Yield the launch files of the package of a file, and of those that depend on it if asked, each with its text."""
     package = finder.find_package_of(path.absolute())
     if package is None or not finder.can_open(package.path):
         return
-    for launch in itertools.islice(iter_launch_files(package.path, finder), MOST_LAUNCHES):
+    others = finder.list_workspace_packages().values() if with_dependents else ()
+    dependents = [
+        f for f in others if f != package.path and has_dependency_entry(f, package.name) and finder.can_open(f)
+    ]
+    launches = (launch for folder in (package.path, *dependents) for launch in iter_launch_files(folder, finder))
+    for launch in itertools.islice(launches, MOST_LAUNCHES):
         text = _read_text(launch)
         yield launch, text
 
