@@ -1097,6 +1097,16 @@ def test_a_value_without_the_prefix_stops_a_robot_of_another_package(tmp_path: P
     assert (finding.code, finding.data["listed"]) == ("XAC007", "<property>")
 
 
+def test_a_macro_of_another_package_does_not_stop_what_lacks_another_name(tmp_path: Path) -> None:
+    """The words of the error are no names: ``name 'bore' is not defined``."""
+    part = HEAD + '<macro name="is" params="name"><link name="a"/></macro></robot>'
+    manifests = {f"{name}/package.xml": f"<package><name>{name}</name></package>" for name in ("robot", "parts")}
+    write(tmp_path, {"parts/urdf/part.xacro": part, **manifests})
+    text = '<xacro:include filename="$(find parts)/urdf/part.xacro"/><link name="l${bore}"/>'
+    run = xacro(tmp_path / "robot", text, {"XAC001", "XAC007"}, package_paths=(tmp_path,))
+    assert only(run).code == "XAC001"
+
+
 def test_a_macro_without_the_prefix_leaves_its_parameters_without_values(tmp_path: Path) -> None:
     text = '<macro name="wheel" params="side"><link name="wheel_${side}"/></macro>'
     finding = only(xacro(tmp_path, text, {"XAC001", "XAC007"}))

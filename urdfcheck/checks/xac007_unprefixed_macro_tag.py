@@ -15,6 +15,7 @@ from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
 from urdfcheck.source.text.handed_values import EXPRESSION
+from urdfcheck.source.text.problems import find_lacking
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
@@ -369,9 +370,11 @@ def _stops_expansion(source: Source, element: Element) -> bool:
 
     A macro without the prefix is expanded where it is typed, and there its parameters have no values.
     """
-    names = {element.get("name"), *(read_macro(element).parameters if element.tag == "macro" else ())} - {""}
-    pattern = re.compile(rf"(?<![\w.])(?:{'|'.join(map(re.escape, sorted(names)))})(?![\w.])")
-    return bool(names) and any(pattern.search(p.message) for p in source.find_problems("expansion-failed"))
+    lacking = {
+        name for p in source.find_problems("expansion-failed") for _, name in [find_lacking(p) or ("", "")] if name
+    }
+    parameters = read_macro(element).parameters if lacking and element.tag == "macro" else ()
+    return not lacking.isdisjoint({element.get("name"), *parameters})
 
 
 def _collect_places(elements: Iterable[Element]) -> set[tuple[str, int]]:

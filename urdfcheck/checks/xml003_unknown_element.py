@@ -18,7 +18,7 @@ from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_el
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import find_unprefixed_tags
+from urdfcheck.source.xacro.usage import find_typed, find_unprefixed_tags
 
 # Elements that a program other than urdfdom reads here, and extensions with their own names.
 _EXTENSIONS: dict[str, frozenset[str]] = {
@@ -658,9 +658,8 @@ def _is_typed_inside(place: Element, owner: Element, model: Model) -> bool:
     """Whether an element, or the call of the macro that makes it, is typed in the element around it, and not in a block that is
     handed over to the macro of that."""
     spans = {place.span, *place.via[len(owner.via) :]} - {None}
-    tree = None if owner.span is None else model.source.trees.get(owner.span.file)
-    typed = () if tree is None else (each for each in tree.walk() if each.span == owner.span)
-    return any(inner.span in spans for each in typed for inner in each.walk())
+    typed = find_typed(model.source.trees, owner)
+    return typed is not None and any(inner.span in spans for inner in typed.walk())
 
 
 def _describe_shape_repair(places: list[Element], model: Model) -> str:

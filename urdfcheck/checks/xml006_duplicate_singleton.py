@@ -11,6 +11,7 @@ from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import find_typed
 
 # MuJoCo ignores these, and does not reject two of them.
 _UNSEEN_BY_MUJOCO = frozenset({"safety_controller", "calibration", "texture"})
@@ -89,8 +90,8 @@ def _describe_first(first: Element, *, is_inserted: bool) -> str:
 def _is_inserted(model: Model, parent: Element, child: Element) -> bool:
     """Whether ``<xacro:insert_block>`` brings an element into its parent: it is typed neither there nor in a macro that is called
     there."""
-    span = child.span
-    if span is None or any(span == each.span for typed in _list_typed(model, parent) for each in typed.walk()):
+    typed = find_typed(model.source.trees, parent)
+    if child.span is None or (typed is not None and any(child.span == each.span for each in typed.walk())):
         return False
     return child.via[: len(parent.via)] != parent.via or len(child.via) == len(parent.via)
 
@@ -98,17 +99,9 @@ def _is_inserted(model: Model, parent: Element, child: Element) -> bool:
 def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Location | None:
     """Return the place of the one ``<xacro:insert_block>`` in the parent of an inserted element: the block that a call hands
     over may be needed elsewhere."""
-    insertions = [
-        each for typed in _list_typed(model, parent) for each in typed.walk() if each.tag == "xacro:insert_block"
-    ]
+    typed = find_typed(model.source.trees, parent)
+    insertions = [] if typed is None else [each for each in typed.walk() if each.tag == "xacro:insert_block"]
     return Location(inserted.subject, insertions[0].span, parent.via) if len(insertions) == 1 else None
-
-
-def _list_typed(model: Model, element: Element) -> list[Element]:
-    """Return an element as its file has it."""
-    span = element.span
-    tree = None if span is None else model.source.trees.get(span.file)
-    return [] if tree is None else [each for each in tree.walk() if each.span == span]
 
 
 def _is_empty(element: Element) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,12 +11,10 @@ from urdfcheck.source.arguments.usual_environment import choose_variable, find_u
 from urdfcheck.source.arguments.written_commands import find_written_arguments
 from urdfcheck.source.launch.passed_arguments import BESIDE, PassedArgument, find_passed_arguments, may_pass_argument
 from urdfcheck.source.package.finder import PackageFinder, format_path
-from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
+from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem, find_lacking
 from urdfcheck.source.xacro.expand import Expansion, expand_xacro
 from urdfcheck.source.xacro.usage import ARGUMENT, find_conditions, list_condition_arguments
 
-# What xacro says of a property and of a macro that are not defined.
-_LACKING = re.compile(r"name '(?P<property>[^']+)' is not defined|unknown macro name: (?:xacro:)?(?P<macro>\S+)")
 # How many arguments are found one after the other: the robot with most of them has 79, nearly all with defaults.
 MOST_FOUND = 64
 
@@ -144,12 +141,10 @@ def _list_wanted_arguments(expansion: Expansion) -> list[str]:
 
 def _list_deciding_arguments(expansion: Expansion, problem: Problem) -> list[str]:
     """Return the arguments of the conditions under which the property or macro is defined that the expansion did not find."""
-    lacking = _LACKING.search(problem.message.split(IN_EXPRESSION)[0])
-    if lacking is None:
+    kind, name = find_lacking(problem) or ("", "")
+    if kind not in {"property", "macro"}:
         return []
-    tag = "xacro:property" if lacking["property"] else "xacro:macro"
-    name = lacking["property"] or lacking["macro"]
-    conditions = find_conditions(expansion.trees, name, problem.location.span, tag)
+    conditions = find_conditions(expansion.trees, name, problem.location.span, f"xacro:{kind}")
     return list(list_condition_arguments(expansion.trees, conditions))
 
 

@@ -15,6 +15,11 @@ from urdfcheck.source.text.xml import XmlError
 # cannot open.
 IN_EXPRESSION = " when evaluating expression '"
 MISSING_FILE = re.compile(r"No such file or directory: '?([^'\n]+?)'?(?: \[Errno.*)?$")
+# What xacro says of a property, a macro and a block that are not defined.
+_LACKING = re.compile(
+    r"name '(?P<property>[^']+)' is not defined|unknown macro name: (?:xacro:)?(?P<macro>\S+)"
+    r'|Undefined block "(?P<block>[^"]*)"'
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -40,3 +45,9 @@ class Problem:
 def locate_start(subject: str, file: str) -> Location:
     """Return the first character of a file that was not read."""
     return Location(subject, Span(file, line=1, col=1, end_line=1, end_col=1, start=0, end=0))
+
+
+def find_lacking(problem: Problem) -> tuple[str, str] | None:
+    """Return what an expansion did not find, and its name: a ``property``, ``macro`` or ``block``."""
+    lacking = _LACKING.search(problem.message.split(IN_EXPRESSION)[0])
+    return None if lacking is None else (str(lacking.lastgroup), lacking[lacking.lastgroup or 0])

@@ -124,6 +124,17 @@ def read_macro(element: Element) -> Macro:
     )
 
 
+def find_typed(trees: Mapping[str, Element], element: Element) -> Element | None:
+    """Return an element of the robot as its file has it."""
+    tree = None if element.span is None else trees.get(element.span.file)
+    return None if tree is None else _index_by_span(tree).get(element.span)
+
+
+@tree_fact
+def _index_by_span(tree: Element) -> dict[Span | None, Element]:
+    return {element.span: element for element in tree.walk()}
+
+
 @tree_fact
 def collect_read_names(tree: Element) -> frozenset[str]:
     """Return every name that an expression, an inserted block or a forwarding default of a file mentions."""
