@@ -172,6 +172,17 @@ def test_drake_needs_no_link_for_its_world_body(
     assert finding.consequences["mujoco"] == "refuses the file"
 
 
+def test_a_robot_whose_world_is_in_the_file_that_includes_it_gets_no_second_one(tmp_path: Path) -> None:
+    arm = tmp_path / "arm.urdf.xacro"
+    arm.write_text(robot(link("a"), joint("j", "world", "a", kind="fixed"), xacro=True), encoding="utf-8")
+    cell = robot(link("world"), '<xacro:include filename="arm.urdf.xacro"/>', xacro=True)
+    (tmp_path / "cell.urdf.xacro").write_text(cell, encoding="utf-8")
+    (finding,) = check(arm, codes={"KIN002"}).findings
+    assert finding.severity is Severity.ERROR
+    assert finding.fix is not None
+    assert "cell.urdf.xacro, which includes this file and has world" in finding.fix.title
+
+
 @pytest.mark.parametrize(
     ("joints", "repair"),
     [

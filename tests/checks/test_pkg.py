@@ -305,6 +305,12 @@ def test_a_folder_of_the_name_that_lacks_the_file_is_not_the_one_that_is_meant(t
     assert not audit(tmp_path / "arm/robots/arm/r.urdf", make_mesh_link("a", "package://arm/meshes/a.stl")).findings
 
 
+def test_a_name_that_is_too_long_for_a_file_is_a_missing_one(tmp_path: Path) -> None:
+    options = '<mujoco><compiler meshdir="m" strippath="true"/></mujoco>'
+    text = options + make_mesh_link("a", f"package://arm/{'a' * 5000}.stl")
+    assert [finding.code for finding in audit(tmp_path / "r.urdf", text).findings] == ["PKG001"]
+
+
 @pytest.mark.parametrize(
     ("build", "severity"),
     [

@@ -322,15 +322,22 @@ class PackageFinder:
                 note_lookup(folder)
 
     def _find_in_package(self, name: str, inside: str) -> Path | None:
-        """Return where a file of a package is, or would be; of folders without a manifest, in the nearest that has the file."""
+        """Return where a file of a package is, or would be; of folders without a manifest, in the nearest that has the file.
+
+        A folder that is given for the package is the only one.
+        """
         folder = self.find(name)
         if folder is None:
             return None
         path = folder / inside
-        if os.path.exists(folder / "package.xml") or os.path.exists(path):
+        is_given = name in self.explicit or os.path.exists(folder / "package.xml")
+        if is_given or os.path.exists(path):
             return path
-        others = (other / inside for other in self._iter_folders_by_name(name))
-        return next((other for other in others if self.can_open(other) and os.path.exists(other)), path)
+        for other in self._iter_folders_by_name(name):
+            note_lookup(other / inside)
+            if self.can_open(other / inside) and os.path.exists(other / inside):
+                return other / inside
+        return path
 
     def describe_search_places(self) -> list[str]:
         """Describe where packages were searched, for the finding that one is missing."""
