@@ -84,12 +84,19 @@ MOVED_BY_A_PLUGIN = '<gazebo reference="tag"><kinematic>{}</kinematic></gazebo>'
 
 
 @pytest.mark.parametrize(
-    ("kind", "flag", "is_reported"),
-    [("fixed", "false", True), ("fixed", " true ", False), ("continuous", "true", True)],
+    ("kind", "flag", "name", "is_reported"),
+    [
+        ("fixed", "false", "tag", True),
+        ("fixed", " true ", "tag", False),
+        ("fixed", "true", "teg", True),
+        ("continuous", "true", "tag", True),
+    ],
 )
-def test_what_is_kinematic_in_gazebo_needs_no_masses(tmp_path: Path, kind: str, flag: str, is_reported: bool) -> None:
-    one = joint("j", "body", "tag", kind=kind)
-    (tmp_path / "r.urdf").write_text(robot(*PLACEHOLDERS, one, MOVED_BY_A_PLUGIN.format(flag)))
+def test_what_is_kinematic_in_gazebo_needs_no_masses(
+    tmp_path: Path, kind: str, flag: str, name: str, is_reported: bool
+) -> None:
+    block = MOVED_BY_A_PLUGIN.format(flag).replace('"tag"', f'"{name}"')
+    (tmp_path / "r.urdf").write_text(robot(*PLACEHOLDERS, joint("j", "body", "tag", kind=kind), block))
     done = command("r.urdf", "--format", "json", cwd=tmp_path).stdout
     assert ("INR015" in {f["code"] for f in json.loads(done)["findings"]}) is is_reported
 

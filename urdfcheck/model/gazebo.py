@@ -53,11 +53,13 @@ def is_posed(robot: Element) -> bool:
 
 def find_kinematic_links(robot: Element) -> frozenset[str]:
     """Find the links whose bodies are kinematic in Gazebo: gravity and contacts do not move these, whatever they weigh."""
-    return frozenset(
+    named = {
         block.get("reference")
         for block in robot.find_children("gazebo")
-        if block.get("reference") and any(e.text.strip() in _TRUE for e in block.find_children("kinematic"))
-    )
+        if any(e.text.strip() in _TRUE for e in block.find_children("kinematic"))
+    }
+    # A block of a link that the robot lacks is ignored.
+    return frozenset(named.intersection(link.get("name") for link in robot.find_children("link")) if named else ())
 
 
 def has_posed_root(model: Model) -> bool:
