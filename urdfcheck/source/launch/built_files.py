@@ -107,13 +107,15 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
 
 
 def find_making_build(path: Path, package: Path) -> str:
-    """Return the name of the build file of a package that makes a file which git ignores: it names the file, and calls what makes
-    files. Empty if there is none."""
+    """Return the name of the build file of a package that may make a file which git ignores: it names the file, not only to
+    install it, and calls what makes files. Empty if there is none."""
     reach = FileReach.from_paths([package], [])
     if not is_git_ignored(path, reach):
         return ""
     for name in (_CMAKE, "setup.py"):
         text = read_text_or_nothing(package / name) if reach.can_open(package / name) else ""
+        if name == _CMAKE:
+            text = "\n".join(c.name + " " + " ".join(c.words) for c in parse_commands(text) if c.name != "install")
         if path.name in text and _MAKES_FILES.search(text):
             return name
     return ""
