@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -267,6 +268,30 @@ def test_gazebo_finds_a_folder_to_which_a_launch_file_leads_it(
 
 
 @pytest.mark.parametrize(
+    ("launch", "is_led"),
+    [
+        ('<env name="GAZEBO_MODEL_PATH" value="$(find p)/assets"/>', True),
+        ('<!-- <env name="GAZEBO_MODEL_PATH" value="$(find p)/assets"/>', False),
+        ('<env name="SDF_PATH" value="$(find p)/assets"/>', True),
+        ('SDF_PATH = join(share, "assets", "world.sdf")', False),
+    ],
+)
+def test_only_a_variable_of_gazebo_leads_it_to_a_folder(tmp_path: Path, launch: str, is_led: bool) -> None:
+    folder = package(tmp_path, "assets/meshes/a.stl")
+    write(tmp_path, {"p/launch/a.launch": launch})
+    finding = only(audit(folder, make_mesh_link("a", "model://meshes/a.stl")))
+    assert finding.message_id == ("files-path" if is_led else "files")
+
+
+def test_comments_that_nothing_closes_take_no_time(tmp_path: Path) -> None:
+    folder = package(tmp_path, "assets/meshes/a.stl")
+    write(tmp_path, {"p/launch/a.launch": "<!--" * 70_000})
+    begun = time.perf_counter()
+    assert only(audit(folder, make_mesh_link("a", "model://meshes/a.stl"))).message_id == "files"
+    assert time.perf_counter() - begun < 20  # about 70 s if the end of each is searched anew
+
+
+@pytest.mark.parametrize(
     ("readme", "message"), [("export GAZEBO_MODEL_PATH=$PWD/models", "files-gazebo"), ("a robot", "files")]
 )
 def test_a_folder_on_the_path_of_gazebo_needs_no_package(tmp_path: Path, readme: str, message: str) -> None:
@@ -316,6 +341,8 @@ def test_a_name_that_is_too_long_for_a_file_is_a_missing_one(tmp_path: Path) -> 
     [
         ("execute_process(COMMAND gunzip -k meshes/a.stl.gz)", Severity.INFO),
         ("install(FILES meshes/a.stl DESTINATION share)", Severity.ERROR),
+        ("configure_file(a.in b)\ninstall(FILES meshes/a.stl DESTINATION share)", Severity.ERROR),
+        ("configure_file(a.in b)  # meshes/a.stl", Severity.ERROR),
     ],
 )
 def test_a_build_may_make_a_mesh_that_git_ignores(tmp_path: Path, build: str, severity: Severity) -> None:

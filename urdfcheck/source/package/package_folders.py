@@ -33,6 +33,7 @@ _LEVELS_LEFT_OUT = 4
 # Of a package, so many texts of at most so many bytes are read.
 _TEXTS = (".py", ".xml", ".launch", ".txt", ".cmake", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
 _MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
+_REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
 # The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
 _MANIFESTS = frozenset({"package.xml", "manifest.xml"})
 _ROSBUILD = re.compile(r"<package[\s>]")
@@ -223,6 +224,12 @@ def iter_package_texts(
                 yield path, read_regular(path, _LARGEST_TEXT).decode("utf-8", "replace")
         except OSError:
             continue
+
+
+def drop_comments(text: str) -> str:
+    """Leave the comments out of such a text: generated manifests mention Gazebo in theirs."""
+    head, *rest = text.split("<!--")
+    return _REMARK.sub("", head + "".join(piece.partition("-->")[2] for piece in rest))
 
 
 def _iter_texts(folder: Path, *, deep: bool) -> Iterator[Path]:

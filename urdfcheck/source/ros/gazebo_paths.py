@@ -7,14 +7,15 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.source.package.similar_files import index_files
-from urdfcheck.source.text.xml import COMMENT
 
 # The variables of the paths on which Gazebo looks for `model://`, and the attribute of an export in a package.xml that sets one.
-RESOURCE_PATH = re.compile(r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH|SDF_PATH")
-# How a launch file or an export names the folder of a package itself.
-_SHARE = re.compile(r"get_package_share|FindPackageShare|\$\(find[\s-]|\$\{prefix\}")
-_REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
+# SDF_PATH is also what scripts call the path of a file: only that in quotes, or set in a shell, is the variable.
+RESOURCE_PATH = re.compile(
+    r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH"
+    r"""|(?<=["';])SDF_PATH(?=["';])|\bSDF_PATH(?==[^=\s])"""
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,17 +38,20 @@ def find_gazebo_folder(package: Path, texts: Iterable[tuple[Path, str]], paths: 
     for file, text in texts if folders else ():
         if RESOURCE_PATH.search(text) is None:
             continue
-        plain = _REMARK.sub("", COMMENT.sub("", text))
+        plain = drop_comments(text)
         variable = RESOURCE_PATH.search(plain)
         for folder in folders if variable is not None else ():
-            name = _SHARE if folder == package else re.compile(rf"[\"'/]{re.escape(folder.name)}(?=[\"'/:;,)\s])")
-            if variable is not None and name.search(plain):
+            name = rf"[\"'/]{re.escape(folder.name)}(?=[\"'/:;,)\s])"
+            if variable is not None and re.search(name, plain):
                 return GazeboFolder(folder, file, variable[0])
     return None
 
 
 def _list_folders_with(package: Path, paths: Sequence[str]) -> list[Path]:
-    """List the folders of a package, itself included, that have files at all these paths below them."""
+    """List the folders of a package that have files at all these paths below them.
+
+    What is in the package's own folder is found without a path of Gazebo.
+    """
     index, common = index_files([package]), list[Path]()
     for number, path in enumerate(paths):
         parts = tuple(path.split("/"))
@@ -55,7 +59,7 @@ def _list_folders_with(package: Path, paths: Sequence[str]) -> list[Path]:
         found = [
             file.parents[depth]
             for file in index.get(parts[-1].lower(), [])
-            if file.parts[-len(parts) :] == parts and file.parents[depth].is_relative_to(package)
+            if file.parts[-len(parts) :] == parts and package in file.parents[depth].parents
         ]
         common = found if number == 0 else [folder for folder in common if folder in found]
     return common
