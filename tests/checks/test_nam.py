@@ -42,6 +42,19 @@ class TestNAM001:
         (finding,) = find(tmp_path, files, "NAM001", name="r.urdf")
         assert finding.severity is severity
 
+    @pytest.mark.parametrize(("name", "severity"), [("'s.urdf'", Severity.INFO), ("name + '.urdf'", Severity.WARNING)])
+    def test_a_launch_file_that_computes_a_name_may_publish_the_frames(
+        self, tmp_path: Path, name: str, severity: Severity
+    ) -> None:
+        files = {
+            "package.xml": "<package><name>p</name></package>",
+            "r.urdf": '<robot name="r"><link name="/a"/></robot>',
+            "make.sh": "gz sdf -p r.urdf > m.sdf",
+            "a.launch.py": f"Node(package='robot_state_publisher', arguments=[{name}])",
+        }
+        (finding,) = find(tmp_path, files, "NAM001", name="r.urdf")
+        assert finding.severity is severity
+
     @pytest.mark.parametrize(
         ("namespace", "name", "typed"),
         [("", "${ns}/base", "${ns}/base"), ("", "/base${ns}", ""), ("/r", "${ns}/base", ""), ("/", "${ns}base", "")],

@@ -56,7 +56,7 @@ _CALLED = re.compile(r"""<xacro:([^\s<>/"'=]+)""")
 _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"'<>]*)""")
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # A name that a file computes may be that of any model.
-_COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
+COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
 # What is typed of such a name behind the part that is computed: `${side}_arm.xacro`, `side + "_arm.xacro"`.
 _COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""")
 # What xacro says of a name or a macro that is not defined, and the definitions of a file.
@@ -274,7 +274,7 @@ def is_certainly_left_aside(source: Source) -> bool:
     if source.package is None:
         return False
     texts = list(read_project_texts(source))
-    names_others = name_other_models_only(texts, source.path.name) and not any(map(_COMPUTED_FILE.search, texts))
+    names_others = name_other_models_only(texts, source.path.name) and not any(map(COMPUTED_FILE.search, texts))
     return names_others and not _is_kept_as_source(source)
 
 
@@ -388,7 +388,7 @@ def is_named_nowhere(source: Source) -> bool:
                 continue
             if package_name in text and (
                 names_file(text, inside, source.package.name)
-                or _COMPUTED_FILE.search(text)
+                or COMPUTED_FILE.search(text)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
             ):
                 return False

@@ -11,7 +11,7 @@ from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import MODEL_FILE, iter_user_texts
+from urdfcheck.source.uses_elsewhere import COMPUTED_FILE, MODEL_FILE, iter_user_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
@@ -59,10 +59,11 @@ def names_mimic_engine(model: Model) -> bool:
 
 def is_only_made_into_sdf(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, makes an SDF of the model's own file, and none
-    that names the file publishes its frames: then they are names in Gazebo alone."""
-    own = compile_names((model.source.path.name,))
-    naming = [text for text in list_project_texts(model) if own.search(text)]
-    return any(map(_CONVERTS.search, naming)) and not any(map(_FRAMES.search, naming))
+    that names the file, or computes the name of one, publishes frames: then they are names in Gazebo alone."""
+    own, texts = compile_names((model.source.path.name,)), list_project_texts(model)
+    is_made = any(own.search(text) and _CONVERTS.search(text) for text in texts)
+    publishing = filter(_FRAMES.search, texts) if is_made else ()
+    return is_made and not any(own.search(text) or COMPUTED_FILE.search(text) for text in publishing)
 
 
 @fact
