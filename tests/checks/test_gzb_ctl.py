@@ -575,7 +575,8 @@ def test_a_frame_that_a_launch_file_publishes_exists(tmp_path: Path) -> None:
     (package / "package.xml").write_text("<package><name>package</name></package>")
     node = '<node pkg="tf" type="static_transform_publisher" name="n" args="0 0 0 0 0 0 tip {} 100"/>'
     body = block("tip", sensor("imu", "<gz_frame_id>elsewhere</gz_frame_id>"))
-    for frame, expected in (("elsewhere_too", ["frame-elsewhere"]), ("elsewhere", [])):
+    unknown = ["frame-elsewhere"]
+    for frame, expected in (("elsewhere_too", unknown), ("x <!-- elsewhere -->", unknown), ("elsewhere", [])):
         (package / "launch" / "robot.launch").write_text(f"<launch>{node.format(frame)}</launch>")
         assert messages(package, MERGED + body, "GZB004") == expected
 

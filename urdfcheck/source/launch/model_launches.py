@@ -21,6 +21,7 @@ from urdfcheck.source.launch.passed_arguments import (
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.launch.python_names import NamedText, read_named_texts
 from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
+from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_regular
 
@@ -72,7 +73,7 @@ def find_named_texts(model: Path, finder: PackageFinder, names: Mapping[str, Col
 
 
 def is_frame_published(model: Path, finder: PackageFinder, frame: str) -> bool:
-    """Whether a launch file around a model that starts a static_transform_publisher names a frame, as a word of its text."""
+    """Whether a launch file around a model that starts a static_transform_publisher names a frame, as a word outside comments."""
     return _any_publishes(_iter_launches_around(model, finder), frame)
 
 
@@ -82,8 +83,9 @@ def is_frame_published_in_project(model: Path, finder: PackageFinder, frame: str
 
 
 def _any_publishes(launches: Iterable[tuple[Path, bytes]], frame: str) -> bool:
-    word = re.compile(rb"(?<![\w.-])" + re.escape(frame.encode("utf-8", "surrogatepass")) + rb"(?![\w.-])")
-    return any(b"static_transform_publisher" in data and word.search(data) is not None for _, data in launches)
+    word = re.compile(rf"(?<![\w.-]){re.escape(frame)}(?![\w.-])")
+    texts = (data.decode("utf-8", "replace") for _, data in launches if b"static_transform_publisher" in data)
+    return any("static_transform_publisher" in text and word.search(text) for text in map(drop_comments, texts))
 
 
 def may_load_yaml(model: Path, finder: PackageFinder, name: str) -> bool:
