@@ -291,15 +291,16 @@ def _find_gazebo_model(source: Source, package: str, files: Sequence[str]) -> Pa
     for here, names, found in walk(project):
         names[:] = [name for name in names if not name.startswith(".")]
         folder = Path(here)
-        if folder.name == package and _has_all_files(folder, wanted, source):
-            return folder if "model.config" in found or _sets_model_path(project) else None
+        is_meant = folder.name == package and _has_all_files(folder, wanted, source)
+        if is_meant and ("model.config" in found or _sets_model_path(project, source)):
+            return folder
     return None
 
 
-def _sets_model_path(project: Path) -> bool:
+def _sets_model_path(project: Path, source: Source) -> bool:
     """Whether a file at the top of a project, such as its CMakeLists.txt or README, names GAZEBO_MODEL_PATH."""
     kinds = {".md", ".rst", ".sh", ".txt"}
-    tops = (path for path in sorted(project.iterdir()) if path.suffix.lower() in kinds and path.is_file())
+    tops = (path for path in sorted(project.iterdir()) if path.suffix.lower() in kinds and source.finder.can_open(path))
     return any("GAZEBO_MODEL_PATH" in read_text_or_nothing(path) for path in tops)
 
 
