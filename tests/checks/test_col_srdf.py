@@ -465,6 +465,13 @@ def test_the_srdf_of_the_xacro_knows_the_overlaps_of_the_urdf_made_from_it(tmp_p
     assert finding.severity is Severity.INFO
 
 
+def test_a_build_that_installs_a_description_gives_it_to_no_program(tmp_path: Path) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>arm</name></package>')
+    (tmp_path / "CMakeLists.txt").write_text("install(FILES arm.srdf DESTINATION share)")
+    (finding,) = find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=CAMERA))
+    assert finding.severity is Severity.WARNING
+
+
 @pytest.mark.parametrize(("robot_name", "severity"), [("arm", Severity.INFO), ("leg", Severity.WARNING)])
 def test_the_srdf_of_a_robot_knows_the_overlaps_of_a_variant_that_includes_it(
     tmp_path: Path, robot_name: str, severity: Severity

@@ -18,13 +18,16 @@ from urdfcheck.model.motion.moveit_pairs import (
 from urdfcheck.model.motion.poses import get_sampling_range
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.use.display import is_checked_for_collisions
-from urdfcheck.model.use.project_texts import list_project_texts
+from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.source.ros.srdf import Srdf, is_set_up_for_another
+from urdfcheck.source.uses_elsewhere import iter_user_texts
 
 # Where MoveIt's programs read an SRDF.
 _PARAMETER = "robot_description_semantic"
 # COL001 warns of overlaps that are deeper (m), but for poses in which a robot never is.
 _DEEP = 2e-3
+# Files that install an SRDF or say what a package has, and give it to no program.
+_BUILD_FILES = frozenset({"CMakeLists.txt", "package.xml", "setup.py"})
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -80,9 +83,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_for_other_programs(model: Model, srdf: Srdf) -> bool:
     """Whether files of a project give the semantic description to a program, and none of them names MoveIt or another program
-    that checks for collisions: what reads the description reads its groups and states. Not where it becomes MoveIt's
+    that checks for collisions: what reads the description may read only its groups and states. Not where it becomes MoveIt's
     parameter, which a planner in another project may read."""
-    own, texts = compile_names((srdf.path.name,)), list_project_texts(model)
+    own = compile_names((srdf.path.name,))
+    users = iter_user_texts(model.source)
+    texts = [drop_comments(text) for path, text in users if path.name not in _BUILD_FILES]
     is_read = any(map(own.search, texts)) and not any(_PARAMETER in text for text in texts)
     return model.source.package is not None and is_read and not is_checked_for_collisions(model)
 
