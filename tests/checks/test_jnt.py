@@ -341,7 +341,7 @@ def test_a_zero_velocity_counts_although_no_joint_has_an_effort(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("more", "srdf", "severity"),
     [
-        ("", "", Severity.INFO),
+        ("", "", Severity.WARNING),  # no drive is known: any program may move it
         (transmit("PositionJointInterface"), "", Severity.WARNING),
         (transmit("PositionJointInterface", joint="k"), "", Severity.INFO),
         ('<gazebo><plugin name="p" filename="p.so"><joint>j</joint></plugin></gazebo>', "", Severity.WARNING),

@@ -268,16 +268,16 @@ def _have_planning_speeds(model: Model, joints: Sequence[Joint]) -> bool:
 
 
 def _is_any_used(model: Model, joints: Sequence[Joint], commanded: AbstractSet[str]) -> bool:
-    """Whether a program that reads speeds is known to move one of some joints: a controller, which takes a limit of 0 literally,
-    a plugin that names the joint, or MoveIt, which plans for its group with a default speed."""
+    """Whether a program that reads speeds may move one of some joints: a controller, which takes a limit of 0 literally, a plugin
+    that names the joint, or MoveIt, which plans for its group with a default speed. Any may where no drive is known."""
     from urdfcheck.model.motion.planning_limits import collect_listed_joints  # few models have such joints
     from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 
-    used = {*commanded, *collect_plugin_texts(model)}
+    moved = set(commanded)
     for srdf in semantic_descriptions(model):
         for group in srdf.root.find_children("group"):
-            used |= collect_listed_joints(model, srdf, group)
-    return any(joint.name in used for joint in joints)
+            moved |= collect_listed_joints(model, srdf, group)
+    return not moved or any(joint.name in moved | collect_plugin_texts(model) for joint in joints)
 
 
 def _is_odd(joint: Joint, powerless: Sequence[Joint], driven: Sequence[Joint]) -> bool:
