@@ -212,7 +212,6 @@ def make_limb(*names: str) -> str:
     )
 
 
-KINEMATIC = '<gazebo reference="{}"><kinematic>1</kinematic></gazebo>'
 ROOT = f'<link name="base">{inertial(1, 1e-2)}{BOX}</link>'
 
 
@@ -230,8 +229,6 @@ ROOT = f'<link name="base">{inertial(1, 1e-2)}{BOX}</link>'
         (make_limb("base", "alarm") + make_limb("base", "armature"), ""),
         (make_limb("base", "thumb") + make_limb("base", "lid"), ""),
         (make_limb("base", "a", "b").replace("revolute", "floating"), ""),
-        (make_limb("base", "a") + KINEMATIC.format("base"), "no force moves its root base in Gazebo"),
-        (make_limb("base", "a") + KINEMATIC.format("a"), ""),
     ],
 )
 def test_arms_and_hands_are_bolted_down(parts: str, why: str, tmp_path: Path) -> None:

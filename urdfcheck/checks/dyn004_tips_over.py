@@ -13,11 +13,13 @@ from urdfcheck.core.text import format_point, join_names
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
 from urdfcheck.facts.motion.contact import SLACK, GroundSupport, TipOver
 from urdfcheck.model import Model
+from urdfcheck.model.gazebo import has_posed_root
 from urdfcheck.model.ground.stance import find_stance
 from urdfcheck.model.ground.support_polygon import LinkMass, compute_contact_points
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 from urdfcheck.model.shapes.corners import has_known_shapes
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
+from urdfcheck.model.use.simulators import SIMULATORS
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices
@@ -31,6 +33,8 @@ _LINE = 0.01
 
 
 def check(model: Model, rule: Rule, *, rest: float, slope: float) -> Iterator[Finding]:
+    if has_posed_root(model) and (SIMULATORS - {"gazebo"}).isdisjoint(model.targets):
+        return
     stance = find_stance(model, rest)
     if stance is None or _lacks_chassis_mass(model):
         return  # without the mass of its body the COM of a robot is not known (INR001)

@@ -6,7 +6,6 @@ import re
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.robot import Model
-from urdfcheck.model.use.simulators import SIMULATORS
 from urdfcheck.source.text.xml import Element
 
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
@@ -63,13 +62,10 @@ def find_kinematic_links(robot: Element) -> frozenset[str]:
 
 
 def has_posed_root(model: Model) -> bool:
-    """Whether Gazebo holds the root still, or moves it only where a plugin or a service says. Not where another simulator is
-    meant: none of the others reads this.
+    """Whether Gazebo holds the root still, or moves it only where a plugin or a service says; no other simulator reads this.
 
     :raises FactUnavailableError: when the tree is broken.
     """
-    if not (SIMULATORS - {"gazebo"}).isdisjoint(model.targets):
-        return False
     kinematic = find_kinematic_links(model.robot)
     return is_held_still(model.robot) or not kinematic.isdisjoint(model.tree.list_body_links(model.tree.root))
 

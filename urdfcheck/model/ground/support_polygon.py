@@ -10,7 +10,6 @@ import numpy as np
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.facts.motion.contact import GroundSupport
-from urdfcheck.model.gazebo import has_posed_root
 from urdfcheck.model.ground.wheels import Wheel, rolling_wheels
 from urdfcheck.model.parts import GROUND_NAMES, Link, Shape, is_dummy_shape
 from urdfcheck.model.robot import Model
@@ -38,13 +37,13 @@ class LinkMass:
 
 
 def is_free_standing(model: Model) -> bool:
-    """Whether the robot has wheels or legs, is not fixed to the ground, and weight moves it.
+    """Whether the robot has wheels or legs and is not fixed to the ground.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
-    if model.tree.root in GROUND_NAMES or has_posed_root(model):
-        return False
-    return bool(rolling_wheels(model) or any(LEG.search(link.name) for link in model.links))
+    return model.tree.root not in GROUND_NAMES and bool(
+        rolling_wheels(model) or any(LEG.search(link.name) for link in model.links)
+    )
 
 
 def list_link_masses(model: Model) -> tuple[LinkMass, ...]:

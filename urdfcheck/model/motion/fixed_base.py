@@ -7,7 +7,6 @@ from collections.abc import Sequence
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.model.fact import fact
-from urdfcheck.model.gazebo import has_posed_root
 from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.ground.wheels import rolling_wheels
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
@@ -39,9 +38,9 @@ _FEWEST_CHAIN_JOINTS = 2
 def explain_fixed_base(model: Model) -> str:
     """Return why the base of a robot cannot move, empty if it can.
 
-    It is what `Model.base` says. With auto, the base is fixed if the root link is named world or map or has no mass, if Gazebo
-    holds it still or it is kinematic there, if the semantic description (SRDF) fixes it, or if the robot is an arm or a hand: one
-    limb of several joints, or limbs that are arms or fingers by name, and no wheel, leg, track or rotor.
+    It is what `Model.base` says. With auto, the base is fixed if the root link is named world or map or has no mass, if the
+    semantic description (SRDF) fixes it, or if the robot is an arm or a hand: one limb of several joints, or limbs that are arms
+    or fingers by name, and no wheel, leg, track or rotor.
 
     :raises FactUnavailableError: when the tree is broken or the mass of the root is malformed or negative.
     """
@@ -50,8 +49,6 @@ def explain_fixed_base(model: Model) -> str:
     root = model.tree.root
     if root in GROUND_NAMES:
         return f"its root is {root}"
-    if has_posed_root(model):
-        return f"no force moves its root {root} in Gazebo"
     mass = compute_body_mass(model, model.tree.list_body_links(root))
     if mass is None:
         raise FactUnavailableError(f"the mass of link {root!r} is not known (XML005, XML007)")
