@@ -1113,6 +1113,16 @@ def test_a_macro_without_the_prefix_leaves_its_parameters_without_values(tmp_pat
     assert (finding.code, finding.data["listed"]) == ("XAC007", "<macro>")
 
 
+def test_a_macro_may_be_defined_by_an_include_below_the_call(tmp_path: Path) -> None:
+    write(tmp_path, {"wheel.xacro": f'{HEAD}<xacro:macro name="wheel" params=""/></robot>'})
+    finding = only(xacro(tmp_path, '<xacro:wheel/>\n<xacro:include filename="wheel.xacro"/>', {"XAC001"}))
+    assert finding.data["hint"] == ""
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(
+        "move the include that defines the macro above this line, if that is wheel.xacro (line 4); otherwise include"
+    )
+
+
 def test_an_end_tag_that_cannot_be_told_leaves_the_file_as_it_is(tmp_path: Path) -> None:
     text = '<if value="true"><if value="true"><link name="a"/></if></if>'
     finding = only(xacro(tmp_path, text, {"XAC007"}))

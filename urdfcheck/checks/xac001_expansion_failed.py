@@ -368,6 +368,10 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     elif defining:
         defining = [file for file in defining if not _defines_in_part(failure.source, file, name)]
         repair = _describe_include(failure, defining, "correct the name", ", which defines the macro,")
+    below = [e for e in iter_elements_by_tag(failure.source.trees, "xacro:include") if _is_after_failure(failure, e)]
+    if below and not defining and near is None:
+        listed = join_names((_describe_include_place(element) for element in below), 3)
+        repair = f"move the include that defines the macro above this line, if that is {listed}; otherwise {repair}"
     return _build_report(
         failure,
         "unknown-macro",
@@ -375,10 +379,16 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         name=name,
         files=(count := len(failure.source.trees)),
         read="the file" if count == 1 else f"the {count} files read so far",
-        hint=format_name_hint(name, known) if known else "" if defining else ", nor any other",
+        hint=format_name_hint(name, known) if known else "" if defining or below else ", nor any other",
         repair=repair,
         defining=defining,
     )
+
+
+def _describe_include_place(include: Element) -> str:
+    """Return the name of an included file, with the line of the include."""
+    name = include.get("filename").rpartition("/")[2]
+    return name if include.span is None else f"{name} (line {include.span.line})"
 
 
 def _find_read_namesake(source: Source, macro: str) -> tuple[str, str] | None:
