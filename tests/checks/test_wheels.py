@@ -509,7 +509,7 @@ def test_the_repair_of_moments_is_where_they_are_turned(
         assert finding.location.span.line == 6
         assert edits(finding) == ([] if "$" in rpy else [(rpy, "0 0 0")])
     else:
-        assert finding.fix.title.endswith("also makes those of base")
+        assert finding.fix.title.endswith("also give those of base")
         assert not finding.fix.edits
 
 

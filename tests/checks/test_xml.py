@@ -188,6 +188,7 @@ class TestXML009:
             tmp_path, text, "r.urdf.xacro" if xacro else "r.urdf", codes={"XML009"}, unrequested=frozenset()
         ).findings
         is_harmless = given in {"robot", "link"}
+        assert found
         assert all(f.severity is Severity.INFO for f in found) == is_harmless
         assert all((f.message_id == "material") == (f.severity is Severity.INFO) for f in found)
 

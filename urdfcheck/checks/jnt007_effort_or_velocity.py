@@ -246,7 +246,7 @@ def _describe_joints_beside(slow: Sequence[Joint], both: Sequence[Joint]) -> dic
         return {"alone": "", "beside": ""}
     counted = format_count(len(others), "other joint has", "other joints have")
     return {
-        "alone": "" if any(joint in both for joint in slow) else " but an effort",
+        "alone": "" if any(joint in both for joint in slow) else " but an effort limit",
         "beside": f'; {counted} velocity="0" and effort="0" ({join_names((joint.name for joint in others), 4)})',
     }
 

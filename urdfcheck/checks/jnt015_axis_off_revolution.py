@@ -336,7 +336,7 @@ def _describe_swap(wheel: _SuspectWheel, sharing: Sequence[str]) -> str:
     if sharing:
         return (
             f"{turn} so that the distinct moment is about {axis}; "
-            f"the text with its moments also makes those of {join_names(sharing, 3)}"
+            f"the lines with its moments also give those of {join_names(sharing, 3)}"
         )
     return f"swap the moments of {wheel.joint.child} so that the distinct one is about {axis}, or {turn}"
 

@@ -226,7 +226,7 @@ def _build_finding(
         else _describe_owner(gap, owners, source)
         or _describe_checkout(gap, source)
         or repair_beside
-        or (f"build {package.name} first: its {build} names the file and makes files" if build and package else "")
+        or (f"build {package.name} first: its {build} names the file and may make it" if build and package else "")
         or _describe_version(gap, source)
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
