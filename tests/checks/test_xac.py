@@ -1107,9 +1107,14 @@ def test_a_macro_of_another_package_does_not_stop_what_lacks_another_name(tmp_pa
     assert only(run).code == "XAC001"
 
 
-def test_a_macro_without_the_prefix_leaves_its_parameters_without_values(tmp_path: Path) -> None:
-    text = '<macro name="wheel" params="side"><link name="wheel_${side}"/></macro>'
-    finding = only(xacro(tmp_path, text, {"XAC001", "XAC007"}))
+@pytest.mark.parametrize("owner", ["robot", "parts"])
+def test_a_macro_without_the_prefix_leaves_its_parameters_without_values(tmp_path: Path, owner: str) -> None:
+    """In the file of another package, too, it stops the robot."""
+    macro = '<macro name="wheel" params="side"><link name="wheel_${side}"/></macro>'
+    manifests = {f"{name}/package.xml": f"<package><name>{name}</name></package>" for name in ("robot", "parts")}
+    write(tmp_path, {"parts/urdf/part.xacro": HEAD + macro + "</robot>", **manifests})
+    text = macro if owner == "robot" else '<xacro:include filename="$(find parts)/urdf/part.xacro"/>'
+    finding = only(xacro(tmp_path / "robot", text, {"XAC001", "XAC007"}, package_paths=(tmp_path,)))
     assert (finding.code, finding.data["listed"]) == ("XAC007", "<macro>")
 
 

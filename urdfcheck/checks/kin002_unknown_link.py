@@ -38,7 +38,7 @@ _LEFT_OVER = (
 # Drake has a body of this name, which a file need not declare.
 _WORLD = {"world": {"drake": "loads it: the name is that of its world body"}}
 _OF_DRAKE = (
-    "for other programs than Drake, which has a body of this name, "
+    "for programs other than Drake, which has a body of this name, "
     'add `<link name="{called}"/>`: Drake reads the file with it too'
 )
 
