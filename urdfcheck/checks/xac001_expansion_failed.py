@@ -61,7 +61,6 @@ from urdfcheck.source.xacro.usage import (
     find_unprefixed_tags,
     iter_elements_by_tag,
     list_condition_arguments,
-    read_macro,
 )
 from urdfcheck.system.files import read_text_or_nothing
 
@@ -169,27 +168,11 @@ def _find_passing_launch(source: Source, remedy: str) -> Path | None:
 
 
 def _find_unprefixed_tags(failure: _ExpansionFailure, report: _FailureReport) -> list[str]:
-    """Return the tags that would define what is missing if they had xacro's prefix: XAC007 reports that cause.
-
-    A macro without it is expanded where it is typed, and there its parameters have no values.
-    """
+    """Return the tags that would define what is missing if they had xacro's prefix: XAC007 reports that cause."""
     if report.message not in {"undefined-name", "unknown-macro", "undefined-block"}:
         return []
-    name, around = report.data["name"], _find_failing_element(failure)
-    inside = set[int]()
-    while around is not None:
-        inside.add(id(around))
-        around = around.parent
-    return [
-        tag.subject
-        for tag in find_unprefixed_tags(failure.source.trees)
-        if not defines_itself(tag)
-        and (
-            tag.tag == "include"
-            or tag.get("name") == name
-            or (tag.tag == "macro" and id(tag) in inside and name in read_macro(tag).parameters)
-        )
-    ]
+    tags = (tag for tag in find_unprefixed_tags(failure.source.trees) if not defines_itself(tag))
+    return [e.subject for e in tags if e.tag == "include" or e.get("name") == report.data["name"]]
 
 
 def _classify_failure(failure: _ExpansionFailure) -> _FailureReport:
