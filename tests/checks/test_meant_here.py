@@ -201,12 +201,19 @@ VIRTUAL = "<!-- virtual joint that shows in RViz where the car is steering -->"
         (VIRTUAL, "", {Severity.INFO}),
         ("", "", {Severity.WARNING}),
         ("<!-- the steering -->", "", {Severity.WARNING}),
+        ("<!-- not really a virtual joint -->", "", {Severity.WARNING}),
+        ("<!-- no virtual joint: it steers -->", "", {Severity.WARNING}),
+        ("<!-- it isn't for visualization -->", "", {Severity.WARNING}),
+        ("<!-- not steered, virtual -->", "", {Severity.INFO}),
         (VIRTUAL, command("steering", "turning"), {Severity.WARNING}),
         (VIRTUAL, link("tip", inertial(1.0)) + joint("tilting", "roll", "tip", kind="continuous"), {Severity.WARNING}),
         (VIRTUAL, visual(box("0.1 0.1 0.1")), {Severity.WARNING}),
         (VIRTUAL, '<gazebo reference="roll"><sensor name="s" type="imu"/></gazebo>', {Severity.WARNING, Severity.INFO}),
     ],
-    ids=["virtual", "no comment", "another comment", "driven", "mass behind", "drawn", "sensor"],
+    ids=[
+        *("virtual", "no comment", "another comment", "denied", "denied whole", "denied purpose", "denied otherwise"),
+        *("driven", "mass behind", "drawn", "sensor"),
+    ],
 )
 def test_frames_without_mass_that_are_called_virtual_are_an_info(
     tmp_path: Path, comment: str, more: str, severities: set[Severity]

@@ -21,6 +21,8 @@ _VIRTUAL_PART = re.compile(
     r"\bvirtual\b|\bfor (?:the )?(?:visuali[sz]|display|rviz|tf)|\b(?:allows?|helps?) (?:\w+ )?(?:visuali[sz]|display)",
     re.IGNORECASE,
 )
+# What denies the words behind it: "not a virtual link", "no virtual joint", "isn't for visualization".
+_DENIAL = re.compile(r"(?:(?:\bnot|\bnever|n't)\s+(?:\w+\s+){0,2}|\b(?:no|non)[\s-]+)\Z", re.IGNORECASE)
 # Words that give a reason for the numbers. That they are dummies is none, for they may still have to be replaced; nor is that an
 # inertial is needed, whatever it says.
 _REASON = re.compile(
@@ -53,20 +55,22 @@ def has_stated_reason(model: Model, element: Element) -> bool:
 
 def is_called_dummy(model: Model, link: Element) -> bool:
     """Whether a comment right before a link says that it is a dummy link: a frame that a program wants as a body."""
-    span = link.span
-    file = None if span is None else model.source.files.get(span.file)
-    if span is None or file is None:
-        return False
-    return _DUMMY_LINK.search(_find_comment_before(file.text, span.start)) is not None
+    return _says(_DUMMY_LINK, model, link)
 
 
 def is_called_virtual(model: Model, element: Element) -> bool:
     """Whether a comment right before a link or joint says that it is virtual, or there to be drawn."""
+    return _says(_VIRTUAL_PART, model, element)
+
+
+def _says(words: re.Pattern[str], model: Model, element: Element) -> bool:
+    """Whether a comment right before an element has words that nothing before them denies."""
     span = element.span
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None:
         return False
-    return _VIRTUAL_PART.search(_find_comment_before(file.text, span.start)) is not None
+    comment = _find_comment_before(file.text, span.start)
+    return any(_DENIAL.search(comment, 0, found.start()) is None for found in words.finditer(comment))
 
 
 def _find_comment_before(text: str, place: int) -> str:
