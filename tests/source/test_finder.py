@@ -321,3 +321,17 @@ def test_a_search_reads_each_folder_once(tmp_path: Path, monkeypatch: pytest.Mon
     assert PackageFinder(tmp_path / "src" / "arm" / "urdf").find("hand") == tmp_path / "src" / "hand"
     below = [path for path in listed if path.startswith(str(tmp_path / "src"))]
     assert len(below) == len(set(below)) > 2
+
+
+@pytest.mark.parametrize(
+    ("text", "rest"),
+    [
+        ("a <!-- b\n# c --> d", "a  d"),
+        ("a\n  # b\nc # d", "a\n\nc # d"),
+        ("a <!-- b", "a "),
+        ("# <!-- a\nb", "\nb"),
+    ],
+    ids=["xml", "line", "unclosed", "a line that mentions the other kind"],
+)
+def test_comments_are_left_out_of_the_texts_of_a_package(text: str, rest: str) -> None:
+    assert package_folders.drop_comments(text) == rest

@@ -11,9 +11,9 @@ from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
+from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.system.files import read_text_or_nothing
 
-_COMMENT = re.compile(r"<!--.*?(?:-->|\Z)|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
 _MODEL_NAME = re.compile(r"[\w.-]*\.(?:urdf|xacro)\b")
 
@@ -101,4 +101,4 @@ def _iter_package_launches(
 
 def _read_text(launch: Path) -> str:
     """Return the text of a launch file without its comments; empty if it cannot be read."""
-    return _COMMENT.sub("", read_text_or_nothing(launch, MAX_PYTHON))
+    return drop_comments(read_text_or_nothing(launch, MAX_PYTHON))

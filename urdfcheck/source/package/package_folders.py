@@ -33,7 +33,8 @@ _LEVELS_LEFT_OUT = 4
 # Of a package, so many texts of at most so many bytes are read.
 _TEXTS = (".py", ".xml", ".launch", ".txt", ".cmake", ".in", ".dsv", ".sh", ".yaml", ".env", ".sdf", ".world")
 _MOST_TEXTS, _LARGEST_TEXT = 300, 300_000
-_REMARK = re.compile(r"^[ \t]*#[^\n]*", re.MULTILINE)
+# A comment of XML, which ends with the text if nothing closes it, and a line of Python, CMake, YAML or a shell that is one.
+_REMARK = re.compile(r"<!--.*?(?:-->|\Z)|^[ \t]*#[^\n]*", re.DOTALL | re.MULTILINE)
 # The manifest of a package; rosbuild's has no name: there the folder's name is the package's.
 _MANIFESTS = frozenset({"package.xml", "manifest.xml"})
 _ROSBUILD = re.compile(r"<package[\s>]")
@@ -228,8 +229,7 @@ def iter_package_texts(
 
 def drop_comments(text: str) -> str:
     """Leave the comments out of such a text: generated manifests mention Gazebo in theirs."""
-    head, *rest = text.split("<!--")
-    return _REMARK.sub("", head + "".join(piece.partition("-->")[2] for piece in rest))
+    return _REMARK.sub("", text)
 
 
 def _iter_texts(folder: Path, *, deep: bool) -> Iterator[Path]:
