@@ -9,15 +9,15 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
-from urdfcheck.source.text.engine_reactions import read_mujoco_options
+from urdfcheck.source.ros.mujoco_paths import takes_only_names
+from urdfcheck.source.text.engine_reactions import has_mujoco_option
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if "mujoco" not in model.targets:
         return
-    compiler = read_mujoco_options(model.robot)
-    strips = compiler.get("strippath") == "true"
-    reads_visuals = compiler.get("discardvisual") == "false"
+    strips = takes_only_names(model.robot)
+    reads_visuals = has_mujoco_option(model.robot, "discardvisual", "false")
     uses = [use for use in model.meshes.uses if reads_visuals or use.shape.role == "collision"]
     foreign = [] if strips else [use for use in uses if "://" in use.filename.value]
     if foreign:

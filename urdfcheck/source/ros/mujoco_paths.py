@@ -7,7 +7,13 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from urdfcheck.source.load import Source
-from urdfcheck.source.text.engine_reactions import read_mujoco_options
+from urdfcheck.source.text.engine_reactions import has_mujoco_option, read_mujoco_options
+from urdfcheck.source.text.xml import Element
+
+
+def takes_only_names(robot: Element) -> bool:
+    """Whether MuJoCo leaves out the folders of the paths in a robot: `strippath`."""
+    return has_mujoco_option(robot, "strippath", "true")
 
 
 def is_found_by_mujoco(text: str, source: Source) -> bool:
@@ -43,4 +49,4 @@ def _read_options(source: Source) -> tuple[str, Path, bool]:
     options = {} if source.root is None else read_mujoco_options(source.root)
     name = options.get("meshdir") or options.get("assetdir") or ""
     folder = Path(os.path.abspath(source.path.parent / name))
-    return name, folder, options.get("strippath") == "true"
+    return name, folder, source.root is not None and takes_only_names(source.root)
