@@ -342,6 +342,7 @@ def test_a_name_that_is_too_long_for_a_file_is_a_missing_one(tmp_path: Path) -> 
     ("build", "severity"),
     [
         ("execute_process(COMMAND gunzip -k meshes/a.stl.gz)", Severity.INFO),
+        ("execute_process(COMMAND gunzip -k meshes/fora.stl.gz meshes/a.stl-old)", Severity.ERROR),
         ("install(FILES meshes/a.stl DESTINATION share)", Severity.ERROR),
         ("configure_file(a.in b)\ninstall(FILES meshes/a.stl DESTINATION share)", Severity.ERROR),
         ("configure_file(a.in b)  # meshes/a.stl", Severity.ERROR),
@@ -351,6 +352,17 @@ def test_a_build_may_make_a_mesh_that_git_ignores(tmp_path: Path, build: str, se
     model = package(tmp_path, "meshes/b.stl")
     write(tmp_path / "p", {"CMakeLists.txt": build, ".gitignore": "meshes/a.stl"})
     finding = only(audit(model, make_mesh_link("a", "package://p/meshes/a.stl")))
+    assert (finding.code, finding.severity) == ("PKG002", severity)
+
+
+@pytest.mark.parametrize(("named", "severity"), [("a.stl b.stl", Severity.INFO), ("a.stl", Severity.ERROR)])
+def test_a_build_that_makes_the_meshes_names_each(tmp_path: Path, named: str, severity: Severity) -> None:
+    build = f"add_custom_command(OUTPUT {named} COMMAND unpack)"
+    model = package(tmp_path, "c.stl")
+    write(tmp_path / "p", {"CMakeLists.txt": build, ".gitignore": "meshes/"})
+    shapes = "".join(make_mesh_link(name, f"package://p/meshes/{name}.stl") for name in "ab")
+    joint = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    finding = only(audit(model, shapes + joint))
     assert (finding.code, finding.severity) == ("PKG002", severity)
 
 

@@ -196,7 +196,7 @@ def _build_finding(
     beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
     # No program of the robot loads such a model, as in PKG001.
     kept = "" if is_explained or beside else explain_kept_file(source)
-    build = "" if is_explained or beside or package is None else _find_making_build(gap, package)
+    build = "" if is_explained or beside or package is None else find_making_build(gap.files, package.path)
     hint = argued or (
         _describe_place(outside, source)
         if outside
@@ -392,12 +392,6 @@ def _describe_version(gap: _MissingFiles, source: Source) -> str:
     return (
         "" if package is None else f"correct the path, add {what}, or get the version of {package.name} that has {them}"
     )
-
-
-def _find_making_build(gap: _MissingFiles, package: Package) -> str:
-    """Return the name of the build file of the package that may make all files; empty if there is none."""
-    builds = {find_making_build(path, package.path) for path in gap.files}
-    return builds.pop() if len(builds) == 1 else ""
 
 
 def _describe_ignored(gap: _MissingFiles) -> str:

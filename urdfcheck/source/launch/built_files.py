@@ -7,7 +7,7 @@ import glob
 import os
 import posixpath
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from urdfcheck.source.package.cmake_installs import parse_commands, read_cmake_installs
@@ -91,7 +91,7 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     reach = FileReach.from_paths([package], [])
     places = [package / name for name in (_CMAKE, "setup.py")]
     builds = [read_text_or_nothing(place) for place in places if reach.can_open(place)]
-    if any(path.name in text for text in builds) or is_git_ignored(path, reach):
+    if any(map(_compile_made_name(path).search, builds)) or is_git_ignored(path, reach):
         return True
     maker = find_maker(path, package, reach) if path.name.lower().endswith(MODEL_SUFFIXES) else None
     if maker is not None and (maker.name == _CMAKE or maker.suffix == ".cmake"):
@@ -106,19 +106,24 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     return False
 
 
-def find_making_build(path: Path, package: Path) -> str:
-    """Return the name of the build file of a package that may make a file which git ignores: it names the file, not only to
-    install it, and calls what makes files. Empty if there is none."""
+def find_making_build(paths: Collection[Path], package: Path) -> str:
+    """Return the name of the build file of a package that may make files which git ignores: it names each, not only to install
+    it, and calls what makes files. Empty if there is none."""
     reach = FileReach.from_paths([package], [])
-    if not is_git_ignored(path, reach):
-        return ""
     for name in (_CMAKE, "setup.py"):
         text = read_text_or_nothing(package / name) if reach.can_open(package / name) else ""
         if name == _CMAKE:
             text = "\n".join(c.name + " " + " ".join(c.words) for c in parse_commands(text) if c.name != "install")
-        if path.name in text and _MAKES_FILES.search(text):
+        named = all(_compile_made_name(path).search(text) for path in paths) and _MAKES_FILES.search(text)
+        if named and all(is_git_ignored(path, reach) for path in paths):
             return name
     return ""
+
+
+def _compile_made_name(path: Path) -> re.Pattern[str]:
+    """Compile a pattern of the name of a file, and of what it is made of: ``car.launch.in``, ``arm.stl.gz``, but not the end of a
+    longer name."""
+    return re.compile(rf"(?<![\w.-]){re.escape(path.name)}(?![\w-])")
 
 
 def find_template(path: Path, package: Path) -> Path | None:
