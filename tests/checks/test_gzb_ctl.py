@@ -13,6 +13,7 @@ from urdfcheck.core.merging import join_occurrences
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
 from urdfcheck.rules import load_rules
+from urdfcheck.source.launch import model_launches
 from urdfcheck.source.load import load_source
 from urdfcheck.source.package.finder import PackageFinder
 
@@ -595,6 +596,18 @@ def test_a_frame_may_be_published_by_a_package_that_declares_nothing(
     (tmp_path / "world" / "world.launch").write_text(f"<launch>{node}</launch>")
     body = block("tip", sensor("imu", f"<gz_frame_id>{frame}</gz_frame_id>"))
     assert messages(tmp_path / inside, MERGED + body, "GZB004") == expected
+
+
+def test_the_launch_files_are_read_once_for_all_frames(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>r</name></package>")
+    read: list[object] = []
+    read_launches = model_launches._read_launches
+    monkeypatch.setattr(
+        model_launches, "_read_launches", lambda folders, finder: read.append(1) or read_launches(folders, finder)
+    )
+    body = "".join(block("tip", sensor("imu", f"<gz_frame_id>{frame}</gz_frame_id>")) for frame in ("one", "two"))
+    assert messages(tmp_path, MERGED + body, "GZB004").count("frame-elsewhere") == 2
+    assert len(read) == 2, "around the model, and in its project"
 
 
 def test_the_frame_of_a_camera_is_not_guessed_by_its_name(tmp_path: Path) -> None:

@@ -10,7 +10,14 @@ from difflib import SequenceMatcher
 
 from urdfcheck.core import FactUnavailableError, Finding, Location, Rule, Severity, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names, split_name_words
+from urdfcheck.core.text import (
+    compile_names,
+    find_nearest_name,
+    find_only_near_name,
+    format_name_hint,
+    join_names,
+    split_name_words,
+)
 from urdfcheck.model import Model
 from urdfcheck.model.fixed_joint_lumping import (
     FixedJointReduction,
@@ -28,6 +35,7 @@ from urdfcheck.model.gazebo import (
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
 from urdfcheck.model.use.gazebo_starts import names_successor, starts_classic
+from urdfcheck.model.use.project_texts import list_publishing_texts
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.text.tokens import read_typed_content
 from urdfcheck.source.text.values import parse_number
@@ -231,10 +239,7 @@ def _describe_frame_repair(element: Element, frame: str, meant: str, model: Mode
 
 def _is_published(model: Model, frame: str, *, in_project: bool = False) -> bool:
     """Whether a launch file of the model's package, or of one that depends on it, or of any one, publishes a frame."""
-    from urdfcheck.source.launch import model_launches  # few models name a frame that is no link
-
-    find = model_launches.is_frame_published_in_project if in_project else model_launches.is_frame_published
-    return find(model.source.path, model.source.finder, frame)
+    return any(map(compile_names((frame,)).search, list_publishing_texts(model, in_project=in_project)))
 
 
 def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:

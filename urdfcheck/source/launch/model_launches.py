@@ -25,6 +25,7 @@ from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_regular
 
+_PUBLISHER = "static_transform_publisher"
 # The name of a yaml file, or what is typed of it behind an expression.
 _YAML_NAME = re.compile(rb"[\w.-]*\.ya?ml\b", re.ASCII)
 
@@ -72,20 +73,18 @@ def find_named_texts(model: Path, finder: PackageFinder, names: Mapping[str, Col
                 yield from read_named_texts(reader, names, real)
 
 
-def is_frame_published(model: Path, finder: PackageFinder, frame: str) -> bool:
-    """Whether a launch file around a model that starts a static_transform_publisher names a frame, as a word outside comments."""
-    return _any_publishes(_iter_launches_around(model, finder), frame)
+def iter_publishing_texts(model: Path, finder: PackageFinder, *, in_project: bool) -> Iterator[str]:
+    """Yield the texts, without comments, of the launch files around a model that start a static_transform_publisher.
 
-
-def is_frame_published_in_project(model: Path, finder: PackageFinder, frame: str) -> bool:
-    """Whether such a launch file is anywhere in the model's project, which may be that of another robot."""
-    return _any_publishes(_read_launches([find_project_folder(model.absolute())], finder), frame)
-
-
-def _any_publishes(launches: Iterable[tuple[Path, bytes]], frame: str) -> bool:
-    word = re.compile(rf"(?<![\w.-]){re.escape(frame)}(?![\w.-])")
-    texts = (data.decode("utf-8", "replace") for _, data in launches if b"static_transform_publisher" in data)
-    return any("static_transform_publisher" in text and word.search(text) for text in map(drop_comments, texts))
+    ``in_project``: those of the whole project, which may be for another robot.
+    """
+    for _, data in (
+        _read_launches([find_project_folder(model.absolute())], finder)
+        if in_project
+        else _iter_launches_around(model, finder)
+    ):
+        if _PUBLISHER.encode() in data and _PUBLISHER in (text := drop_comments(data.decode("utf-8", "replace"))):
+            yield text
 
 
 def may_load_yaml(model: Path, finder: PackageFinder, name: str) -> bool:
