@@ -281,23 +281,24 @@ def is_certainly_left_aside(source: Source) -> bool:
 @lru_cache(maxsize=1)  # several rules ask
 def _is_kept_as_source(source: Source) -> bool:
     """Whether xacro made another file here of the model, as the header of that file says."""
-    own = source.path.absolute()
     for folder, package_name in _iter_using_folders(source):
         for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
-            if (
-                path.suffix.lower() not in _INCLUDED_SUFFIXES
-                or path.absolute() == own
-                or not source.finder.can_open(path)
-            ):
-                continue
-            text = read_text_or_nothing(path, _MAX_BYTES)
-            made_of = read_xacro_source(text) if package_name in text else None
-            if made_of is not None and PureWindowsPath(made_of).name == own.name:
-                found = find_files_elsewhere(made_of, path, source.finder)
-                beside = [file for file in found if file.parent == path.absolute().parent]
-                if own in (beside or found):
+            if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
+                text = read_text_or_nothing(path, _MAX_BYTES)
+                if package_name in text and _is_made_of(source, path, text):
                     return True
     return False
+
+
+def _is_made_of(source: Source, path: Path, text: str) -> bool:
+    """Whether xacro made another file of the model, as the header of its text says."""
+    own = source.path.absolute()
+    made_of = None if path.absolute() == own else read_xacro_source(text)
+    if made_of is None or PureWindowsPath(made_of).name != own.name:
+        return False
+    found = find_files_elsewhere(made_of, path, source.finder)
+    beside = [file for file in found if file.parent == path.absolute().parent]
+    return own in (beside or found)
 
 
 def name_other_models_only(texts: Iterable[str], own: str) -> bool:
@@ -390,9 +391,10 @@ def is_named_nowhere(source: Source) -> bool:
                 names_file(text, inside, source.package.name)
                 or COMPUTED_FILE.search(text)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
+                or (path.suffix.lower() in _INCLUDED_SUFFIXES and _is_made_of(source, path, text))
             ):
                 return False
-    return not _is_kept_as_source(source)
+    return True
 
 
 def is_kept_output(source: Source) -> bool:
