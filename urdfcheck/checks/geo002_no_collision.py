@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# Names of links that stand for nothing that touches, and the share of the robot's mass that such a link has at most.
+# Names of links that stand for nothing that touches, and the share of the robot's mass that such a link has at most
+# (chosen).
 _SHOWN_NAME = re.compile(r"virtual|dummy|marker|indicator", re.IGNORECASE)
 _NO_MASS = 1e-3
 _BUMPER_NAME = re.compile(r"bumper", re.IGNORECASE)

@@ -34,8 +34,8 @@ _MAX_CONVERSION_SCALE = 0.03
 _ENLARGED = 20.0
 # A part that measures more than this in all three directions (m) is not a ground plane or a wall.
 _MIN_ENLARGED = 1.0
-# No published robot has a mesh more than 2.2 times as long as its reach. The rail of a gantry, and the hall around it, are as
-# long as what the gantry travels.
+# The rail of a gantry, and the hall around it, are as long as what the gantry travels, which is not in its reach. Chosen: as many
+# times as any mesh of a published robot is as long as its reach (MSH008).
 _LIKE_GANTRY = 2.2
 # A limit beyond this (m) is a number that stands for none (chosen).
 _LONGEST_TRAVEL = 100.0
