@@ -610,6 +610,14 @@ def test_the_launch_files_are_read_once_for_all_frames(tmp_path: Path, monkeypat
     assert len(read) == 2, "around the model, and in its project"
 
 
+def test_a_malformed_origin_hides_no_other_finding(tmp_path: Path) -> None:
+    links = link("base") + link("eye") + link("eye_optical") + fixed("i", "eye", "eye_optical")
+    eye = fixed("j", "base", "eye").replace("</joint>", '<origin xyz="0 x 0"/></joint>')
+    camera = block("eye", sensor("camera", RATE + "<gz_frame_id>elsewhere</gz_frame_id>"))
+    found = messages(tmp_path, links + eye + camera + block("base", sensor("nonsense", RATE)), "GZB004")
+    assert {"type", "frame-elsewhere"} <= set(found)
+
+
 def test_the_frame_of_a_camera_is_not_guessed_by_its_name(tmp_path: Path) -> None:
     body = block("tip", sensor("camera", RATE + "<gz_frame_id>bsae</gz_frame_id>"))
     assert messages(tmp_path, MERGED + body, "GZB004") == ["frame-elsewhere"]

@@ -258,7 +258,10 @@ def _find_optical_frame(sensor: GazeboSensor, model: Model) -> str | None:
         waiting += [joint.child for joint in children.get(link, ()) if joint.type == "fixed"]
     if len(found) != 1 or sensor.element.find_child("pose") is not None:
         return found[0] if len(found) == 1 else None
-    places = [model.frames[name][:3, 3] for name in (sensor.reference, found[0])]
+    try:
+        places = [model.frames[name][:3, 3] for name in (sensor.reference, found[0])]
+    except FactUnavailableError:
+        return None  # where it is, is not known
     return found[0] if math.dist(*places) < _BESIDE else None
 
 
