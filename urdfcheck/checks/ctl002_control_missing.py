@@ -11,6 +11,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.xacro.usage import find_typed
 
 _DRIVABLE = frozenset({"revolute", "continuous", "prismatic"})
 _ADDITION = "add them to the <ros2_control> block or give each a <transmission>"
@@ -143,9 +144,8 @@ def _is_of_classic(model: Model, control: Element | None) -> bool:
     there, and the plugin moves a follower by its own command interface. ROS Jazzy refuses that, and lacks the plugin."""
     if control is None or control.span is None or not (classes := _list_hardware(control)):
         return False
-    tree = model.source.trees.get(control.span.file)
-    typed = () if tree is None else (each for each in tree.walk() if each.span == control.span)
-    classes += [inner.text.strip() for each in typed for inner in each.walk() if inner.tag == "plugin"]
+    typed = find_typed(model.source.trees, control)
+    classes += [] if typed is None else [each.text.strip() for each in typed.walk() if each.tag == "plugin"]
     return all(name.startswith(_CLASSIC) for name in classes)
 
 

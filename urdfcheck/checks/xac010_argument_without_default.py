@@ -31,9 +31,6 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
-        is_aside = passing is None and is_named_nowhere(source) and is_certainly_left_aside(source)
-        # A template: no package that must know it shows a start of it without the values, and so no start that fails.
-        is_aside |= source.package is not None and not is_named_by_launch(source.path, source.finder)
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
         finding = rule.finding(
@@ -52,7 +49,10 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
         # Where it is started the model has a value: only here nothing is known of it. And what nothing starts needs none, nor
         # does a piece of a robot, which the file that includes it gives one.
-        is_error = passing is None and not is_aside and not _is_nameless(source)
+        is_error = passing is None and not _is_nameless(source)
+        is_error = is_error and not (is_named_nowhere(source) and is_certainly_left_aside(source))
+        # A template: no package that must know it shows a start of it without the values, and so no start that fails.
+        is_error = is_error and (source.package is None or is_named_by_launch(source.path, source.finder))
         yield finding if is_error else replace(finding, severity=Severity.WARNING, blocks_check=True)
 
 
