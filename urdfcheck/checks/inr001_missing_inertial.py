@@ -9,6 +9,7 @@ from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, list_sensors
+from urdfcheck.model.motion.controllers import collect_controlled_joints
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry, list_rigid_bodies
 from urdfcheck.model.stated_reasons import is_called_virtual
 from urdfcheck.model.use.display import has_bare_joints, is_loaded_for_frames
@@ -110,7 +111,9 @@ def _is_virtual(model: Model, body: RigidLinkGroup) -> bool:
     tree = model.tree
     joint = tree.parent_joint[body.links[0]]
     places = {joint.name, *body.links}
-    if joint.name in _collect_driven_names(model) or any(s.reference in places for s in list_sensors(model)):
+    # Not only what is commanded (JNT007): a joint whose state is read has to be in the simulation, too.
+    named = collect_controlled_joints(model) | collect_plugin_texts(model)
+    if joint.name in named or any(s.reference in places for s in list_sensors(model)):
         return False
     while True:
         elements = (joint.element, *(model.link_by_name[name].element for name in tree.list_body_links(joint.child)))
@@ -120,13 +123,6 @@ def _is_virtual(model: Model, body: RigidLinkGroup) -> bool:
         if before[0] not in tree.parent_joint or any(model.link_by_name[name].inertial is not None for name in before):
             return False
         joint = tree.parent_joint[before[0]]
-
-
-def _collect_driven_names(model: Model) -> set[str]:
-    """Return the joints that transmissions, ros2_control or plugins of Gazebo name."""
-    blocks = [block for tag in ("transmission", "ros2_control") for block in model.robot.find_children(tag)]
-    named = {joint.get("name").strip() for block in blocks for joint in block.find_children("joint")}
-    return named | collect_plugin_texts(model)
 
 
 def _describe_addition(model: Model, links: list[Link]) -> str:

@@ -11,6 +11,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.fixed_joint_lumping import find_preserved_names
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still, list_sensors
+from urdfcheck.model.motion.controllers import collect_controlled_joints
 from urdfcheck.model.repairs.edits import swap_values
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
@@ -49,7 +50,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     named = collect_plugin_texts(model) if equal else frozenset()
     kept = find_preserved_names(model) if equal else {}
     kept_links = named | {sensor.reference for sensor in list_sensors(model)} if equal else named
-    commanded = named | _collect_driven_names(model)
+    commanded = named | collect_controlled_joints(model)
     # Joints with the same numbers come from one template or one exporter's default.
     for (value, is_empty), joints in equal.items():
         # Neither an exporter nor a command is behind a joint that a robot with plugins of Gazebo holds at zero.
@@ -122,12 +123,6 @@ def _may_be_held(joint: Joint, *, is_empty: bool) -> bool:
 def _are_of_one_macro(joints: Sequence[Joint]) -> bool:
     """Whether several joints have one limit, which a macro types: an exporter writes one for each."""
     return len(joints) > 1 and len({None if joint.limit is None else joint.limit.span for joint in joints}) == 1
-
-
-def _collect_driven_names(model: Model) -> set[str]:
-    """Collect the joints that blocks of ros2_control and transmissions name."""
-    blocks = (block for tag in ("ros2_control", "transmission") for block in model.robot.find_children(tag))
-    return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
 def _is_mirrored(model: Model, lower: float, upper: float) -> bool:

@@ -8,6 +8,7 @@ from urdfcheck.core import Finding, Rule
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import is_for_new_gazebo
+from urdfcheck.model.motion.controllers import collect_controlled_joints
 from urdfcheck.model.use.gazebo_starts import names_mimic_engine
 
 
@@ -17,7 +18,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return
     is_for_gazebo = "gazebo" in model.targets if model.targets else is_for_new_gazebo(model)
     if is_for_gazebo:
-        driven = _list_driven_joints(model) | _list_plugin_words(model)
+        driven = collect_controlled_joints(model) | _list_plugin_words(model)
         free = [joint for joint in followers if joint.name not in driven]
         if free and not any("mimic" in word.lower() for word in driven) and not names_mimic_engine(model):
             yield _build_finding(rule, "gazebo", free)
@@ -30,12 +31,6 @@ def _has_leader(model: Model, joint: Joint) -> bool:
     """Whether a joint moves and follows another that moves; what is wrong with the others is JNT009's."""
     leader = None if joint.mimic is None else model.joint_by_name.get(joint.mimic.get("joint"))
     return joint.is_movable and leader is not None and leader.is_movable and leader is not joint
-
-
-def _list_driven_joints(model: Model) -> set[str]:
-    """Return the joints that a control block or a transmission lists."""
-    blocks = [*model.robot.find_children("ros2_control"), *model.robot.find_children("transmission")]
-    return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
 def _list_plugin_words(model: Model) -> set[str]:

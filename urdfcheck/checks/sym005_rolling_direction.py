@@ -11,7 +11,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import format_point
 from urdfcheck.model import Model
 from urdfcheck.model.ground.wheels import LEVEL, DrivenWheel, find_driven_wheels
-from urdfcheck.model.motion.controllers import find_controller_configs
+from urdfcheck.model.motion.controllers import collect_controlled_joints, find_controller_configs
 from urdfcheck.model.repairs.edits import edit_all_numbers, locate_text
 from urdfcheck.source.ros.controllers import Controller
 from urdfcheck.source.text.values import parse_number
@@ -52,7 +52,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         matters = are_driven_together
     else:
         # A wheel that none of those who drive the others names turns freely.
-        driven = [*driven, _list_transmitted_joints(model)]
+        driven = [*driven, set(collect_controlled_joints(model))]
         matters = not any(_drives(names, rest) for names in driven) or any(_drives(names, odd) for names in driven)
     # Where each side has wheels of both directions, these work against each other.
     is_by_side = are_equal and _are_on_two_sides(model, odd, rest)
@@ -145,12 +145,6 @@ def _list_driven_names(model: Model) -> list[set[str]]:
         if _DRIVES_ALIKE.search(controller.type) and not _negates_side(controller)
     ]
     return named
-
-
-def _list_transmitted_joints(model: Model) -> set[str]:
-    """Return the joints that a ``<transmission>`` or a block of ros2_control names: those that a motor turns."""
-    blocks = (*model.robot.find_children("transmission"), *model.robot.find_children("ros2_control"))
-    return {joint.get("name") for block in blocks for joint in block.find_children("joint")}
 
 
 def _negates_side(controller: Controller) -> bool:

@@ -205,6 +205,13 @@ def _may_be_named(typed: str, name: str) -> bool:
     return typed == name or (rest not in {"", typed} and name.endswith(rest))
 
 
+@fact
+def collect_controlled_joints(model: Model) -> frozenset[str]:
+    """Collect the joints that transmissions and blocks of ros2_control name, with whichever interfaces."""
+    blocks = [block for tag in ("transmission", "ros2_control") for block in model.robot.find_children(tag)]
+    return frozenset(joint.get("name").strip() for block in blocks for joint in block.find_children("joint"))
+
+
 def collect_interfaces(model: Model, role: str, tags: Iterable[str]) -> dict[str, set[str]] | None:
     """Collect the interfaces of the components with these tags, by name, in the ``<ros2_control>`` blocks.
 
