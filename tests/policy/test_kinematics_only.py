@@ -101,6 +101,14 @@ def test_what_is_kinematic_in_gazebo_needs_no_masses(
     assert ("INR015" in {f["code"] for f in json.loads(done)["findings"]}) is is_reported
 
 
+@pytest.mark.parametrize("posed", [MOVED_BY_A_PLUGIN.format("true"), "<gazebo><static>true</static></gazebo>"])
+@pytest.mark.parametrize(("target", "is_reported"), [("gazebo", False), ("mujoco", True)])
+def test_another_simulator_moves_what_gazebo_poses(tmp_path: Path, posed: str, target: str, is_reported: bool) -> None:
+    (tmp_path / "r.urdf").write_text(robot(*PLACEHOLDERS, joint("j", "body", "tag", kind="fixed"), posed))
+    done = command("r.urdf", "--format", "json", "--target", target, cwd=tmp_path).stdout
+    assert ("INR015" in {f["code"] for f in json.loads(done)["findings"]}) is is_reported
+
+
 def test_a_part_that_gazebo_drops_is_reported_in_scenery_too(tmp_path: Path) -> None:
     (tmp_path / "r.urdf").write_text(ROBOT.replace("</robot>", STATIC + "</robot>"))
     assert ("INR002", "inertia_without_mass") in list_found(tmp_path)

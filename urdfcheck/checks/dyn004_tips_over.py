@@ -19,7 +19,7 @@ from urdfcheck.model.ground.support_polygon import LinkMass, compute_contact_poi
 from urdfcheck.model.ground.wheels import is_suspended, rolling_wheels
 from urdfcheck.model.shapes.corners import has_known_shapes
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
-from urdfcheck.model.use.simulators import SIMULATORS
+from urdfcheck.policy.consumers import SIMULATORS
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Indices

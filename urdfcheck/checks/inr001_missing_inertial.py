@@ -14,7 +14,8 @@ from urdfcheck.model.rigid_bodies import RigidLinkGroup, has_collision_geometry,
 from urdfcheck.model.stated_reasons import is_called_virtual
 from urdfcheck.model.use.display import has_bare_joints, is_loaded_for_frames
 from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf, is_left_to_world, is_spawned_in_gazebo
-from urdfcheck.model.use.simulators import SIMULATORS, is_modelled_for_mujoco, is_started_in_simulator
+from urdfcheck.model.use.simulators import is_modelled_for_mujoco, is_started_in_simulator
+from urdfcheck.policy.consumers import SIMULATORS
 from urdfcheck.source.text.grammar import JOINT_TYPES
 from urdfcheck.source.xacro.usage import find_unprefixed_tags
 

@@ -14,7 +14,8 @@ from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.use.display import has_bare_joints
 from urdfcheck.model.use.gazebo_starts import is_started_elsewhere
-from urdfcheck.model.use.simulators import SIMULATORS, is_simulated, is_simulated_hardware, is_started_in_simulator
+from urdfcheck.model.use.simulators import is_simulated, is_simulated_hardware, is_started_in_simulator
+from urdfcheck.policy.consumers import SIMULATORS
 from urdfcheck.source.text.values import parse_number
 
 _LEAST_LEGS = 4

@@ -18,10 +18,6 @@ UNCHECKED = ("error", "warning")
 TARGETS = ("gazebo", "mujoco", "drake", "bullet", "isaac", "moveit", "rviz", "pinocchio", "ros2_control", "kdl")
 
 
-# Those of the targets that compute with masses.
-SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
-
-
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Section:
     """Settings of the rules in the table, or in a ``[[paths]]`` section; None where nothing is set."""

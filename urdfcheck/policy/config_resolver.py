@@ -11,8 +11,9 @@ from typing import Any
 from urdfcheck.core import Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.policy.baseline import DEFAULT_NAME, STALE_BASELINE
-from urdfcheck.policy.config import SIMULATORS, Config, Section
+from urdfcheck.policy.config import Config, Section
 from urdfcheck.policy.config_file import read_folder_config
+from urdfcheck.policy.consumers import SIMULATORS
 from urdfcheck.policy.on_request import find_postponed
 from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.suppression import SuppressionEntry

@@ -27,6 +27,8 @@ OTHERS = (
     "yourdfpy",
     "newton",
 )
+# Those of the targets that compute with masses.
+SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # Those that are asked what they do with a model if they are targets and installed: the ones that answer in a second.
 ASKED_ENGINES = ("mujoco", "drake", "bullet")
 # The one of them in which models are also dropped and driven.

@@ -20,7 +20,7 @@ from urdfcheck.core.merging import merge_same_text
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count
 from urdfcheck.model.gazebo import is_posed
-from urdfcheck.policy.consumers import apply_severity_policy
+from urdfcheck.policy.consumers import SIMULATORS, apply_severity_policy
 from urdfcheck.policy.fix_safety import lead_to_xacro, mark_unsafe_across_models, mark_unsafe_in_model
 from urdfcheck.policy.on_request import (
     leave_out_dynamics,
@@ -100,7 +100,7 @@ def finalize_unit_findings(
     )
     if policy.kinematics_only:
         marked = leave_out_dynamics(marked, rules)
-    elif root is not None and is_posed(root):
+    elif root is not None and is_posed(root) and (SIMULATORS - {"gazebo"}).isdisjoint(policy.targets):
         marked = leave_out_unfelt_dynamics(marked, rules)
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)

@@ -10,8 +10,6 @@ from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import MODEL_FILE, name_other_models_only
 
-# The targets that simulate robots.
-SIMULATORS = frozenset({"gazebo", "mujoco", "drake", "bullet", "isaac"})
 # Elements of a robot that only simulators read.
 _ELEMENTS = ("gazebo", "mujoco")
 # Hardware of ros2_control that a simulator provides.
