@@ -24,6 +24,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import CAMERA_TYPE, FRAME_TAGS, GazeboSensor, list_sensors
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.source.text.values import parse_number
+from urdfcheck.source.text.xml import COMMENT
 
 # Frames allowed above base_link: the fixed world, frames that localisation moves, and the footprint (REP 105, REP 120).
 _ABOVE_BASE = frozenset({"world", "map", "earth", "odom", "base_footprint"})
@@ -34,7 +35,6 @@ _FORWARD: Vector = (1.0, 0.0, 0.0)
 _CLOUD_TYPE = re.compile(r"^(?:depth_camera|rgbd(?:_camera)?)$")
 # Frames of inertial sensors in cameras, which drivers give the word too: no picture is in them.
 _INERTIAL = re.compile(r"(?:^|_)(?:accel|gyro|imu)(?:_|$)", re.IGNORECASE)
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 _SENSOR_BLOCK = re.compile(r"""<gazebo\s+reference\s*=\s*["']([^"'<>]+)["']\s*>(.*?)</gazebo\s*>""", re.DOTALL)
 _SENSOR = re.compile(r"<sensor\s([^<>]*)>")
 _ATTRIBUTE = re.compile(r"""(\w+)\s*=\s*["']([^"'<>]*)["']""")
@@ -201,7 +201,7 @@ def _describe_sensor_move(model: Model, joints: Sequence[Joint]) -> str:
     cameras = {sensor.reference: sensor.name for sensor in list_sensors(model) if CAMERA_TYPE.search(sensor.type)}
     # Blocks that only other arguments bring in are read as typed.
     for file in model.source.files.values() if model.source.is_xacro else ():
-        for reference, sensors in _SENSOR_BLOCK.findall(_COMMENT.sub("", file.text)):
+        for reference, sensors in _SENSOR_BLOCK.findall(COMMENT.sub("", file.text)):
             for tag in _SENSOR.findall(sensors):
                 typed = dict(_ATTRIBUTE.findall(tag))
                 if CAMERA_TYPE.search(typed.get("type", "")):

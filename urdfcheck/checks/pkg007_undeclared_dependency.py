@@ -32,7 +32,7 @@ from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folde
 from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
 from urdfcheck.source.ros.setup_templates import is_left_out_by_template
 from urdfcheck.source.text.remembered import text_fact
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_regular, read_text_or_nothing
 
 _EXAMPLE_FOLDERS = frozenset({"example", "examples"})
@@ -43,8 +43,7 @@ _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
 _PROGRAM = re.compile(r"""\b(?:type|exec)\s*=\s*["']([^"']+)["']""")
 # Files of a robot: a package of this repository that has one of the same name is where a mention of no known package leads.
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
-# A comment of package.xml, and a dependency in it.
-_COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
+# A dependency in a comment of package.xml.
 _DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle", "ring"})
@@ -164,7 +163,7 @@ def _is_as_released(package: Package, missing: Collection[str]) -> bool:
 
 def _list_commented_dependencies(manifest: str) -> set[str]:
     """Return the names in the ``<…depend>`` lines that comments of a package.xml hold."""
-    return {name for comment in _COMMENT.findall(manifest) for name in _DEPEND.findall(comment)}
+    return {name for comment in COMMENT.findall(manifest) for name in _DEPEND.findall(comment)}
 
 
 def _is_inside_another(folder: Path | None, package: Package) -> bool:
