@@ -1731,13 +1731,14 @@ def test_a_file_that_includes_without_the_prefix_may_lack_it_in_more_places(tmp_
     ("home", "repair"),
     [
         ("other", "correct the path, or use a release of q that has the file"),
-        ("own", "correct the path, or add the file"),
+        ("own", "correct the path, add the file, or use a version of q that has it"),
+        ("own/p", "correct the path, or add the file"),
     ],
 )
 def test_a_file_that_a_package_from_elsewhere_lacks_may_be_in_another_release(
     tmp_path: Path, home: str, repair: str
 ) -> None:
-    text = f'{HEAD}<xacro:include filename="$(find q)/a.xacro"/></robot>'
+    text = f'{HEAD}<xacro:include filename="$(find {"p" if home == "own/p" else "q"})/a.xacro"/></robot>'
     write(
         tmp_path,
         {
@@ -2085,3 +2086,116 @@ def test_a_refused_name_that_an_expression_uses_is_an_error(tmp_path: Path) -> N
     assert finding.severity is Severity.ERROR
     assert finding.fix is not None
     assert finding.fix.title == "write another name, also where it is used, then `<xacro:property …>`"
+
+
+NAMELESS = HEAD.replace(' name="r"', "")
+MATERIALS = '<xacro:include filename="materials.xacro"/>'
+
+
+@pytest.mark.parametrize(
+    ("text", "launched", "severity"),
+    [
+        (f'{NAMELESS}<link name="j${{sie}}"/></robot>', "other.urdf.xacro", Severity.WARNING),
+        (f'{NAMELESS}<link name="j${{sie}}"/></robot>', "part.urdf.xacro", Severity.ERROR),
+        (f'{HEAD}<link name="j${{sie}}"/></robot>', "$(arg model)", Severity.ERROR),
+        (f'{HEAD}<xacro:include filename="gone.xacro"/>{WHEEL}</robot>', "other.urdf.xacro", Severity.WARNING),
+        (f'{HEAD}<xacro:include filename="gone.xacro"/>{WHEEL}</robot>', "part.urdf.xacro", Severity.ERROR),
+        (f'{HEAD}<xacro:include filename="gone.xacro"/></robot>', "other.urdf.xacro", Severity.ERROR),
+        (
+            f'{HEAD}<xacro:include filename="gone.xacro"/>{WHEEL}<xacro:wheel name="a"/></robot>',
+            "other.urdf.xacro",
+            Severity.ERROR,
+        ),
+        (HEAD.replace('"r"', '"${eye}"') + MATERIALS + WHEEL + "</robot>", "other.urdf.xacro", Severity.WARNING),
+    ],
+)
+def test_what_stops_a_file_that_makes_no_robot_is_a_warning(
+    tmp_path: Path, text: str, launched: str, severity: Severity
+) -> None:
+    """It has no name, or only macros, and no launch file starts it."""
+    load = f'<param name="robot_description" command="xacro $(find car)/urdf/{launched}"/>'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f"<launch>{load}</launch>",
+        "urdf/other.urdf.xacro": HEAD + '<link name="b"/></robot>',
+        "urdf/materials.xacro": NAMELESS + '<xacro:macro name="red"/></robot>',
+        "urdf/part.urdf.xacro": text,
+    }
+    (finding,) = (f for f in check(write(tmp_path, files), codes={"XAC001"}).findings if f.code == "XAC001")
+    assert (finding.severity, finding.blocks_check) == (severity, True)
+    assert finding.fix is not None
+    if severity is Severity.WARNING:
+        assert finding.fix.title.startswith("delete this file if nothing needs it; else ")
+
+
+@pytest.mark.parametrize(
+    ("default", "started", "severity"),
+    [
+        ("", "", Severity.WARNING),
+        ("", "dual.urdf.xacro", Severity.ERROR),
+        ("", "dual.urdf.xacro arm:=$(env ARM)", Severity.WARNING),
+        ("x", "", Severity.ERROR),
+        ("x", "dual.urdf.xacro arm:=$(env ARM)", Severity.WARNING),
+    ],
+)
+@pytest.mark.parametrize("read", ["$(arg arm)", "${kind}"])
+def test_an_empty_default_is_a_value_that_is_to_be_given(
+    tmp_path: Path, default: str, started: str, severity: Severity, read: str
+) -> None:
+    """A template that no launch file starts gets it from outside."""
+    load = f'<param name="robot_description" command="xacro $(find p)/urdf/{started or "other.urdf.xacro"}"/>'
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "launch/a.launch": f"<launch>{load}</launch>",
+        "urdf/other.urdf.xacro": HEAD + '<link name="b"/></robot>',
+        "arms/one/arm.xacro": HEAD + '<link name="b"/></robot>',
+        "arms/two/arm.xacro": HEAD + '<link name="b"/></robot>',
+        "urdf/dual.urdf.xacro": f'{HEAD}<xacro:arg name="arm" default="{default}"/>'
+        '<xacro:property name="kind" value="$(arg arm)"/>'
+        f'<xacro:include filename="$(find p)/arms/{read}/arm.xacro"/></robot>',
+    }
+    (finding,) = (f for f in check(write(tmp_path, files), codes={"XAC001"}).findings if f.code == "XAC001")
+    assert finding.message_id == ("argument-leads-nowhere" if default else "argument-empty")
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert ("a.launch passes one, known only at launch" in finding.fix.title) == ("arm:=" in started)
+    assert f"--arg arm:={'one' if 'arg' in read else '…'}" in finding.fix.title
+
+
+@pytest.mark.parametrize("name", ["M_PI", "PI"])
+def test_pi_under_the_name_of_another_language_is_pi(tmp_path: Path, name: str) -> None:
+    """However often it is read."""
+    text = f'<link name="a${{{name}}}"/><link name="a${{{name}}}"/>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `pi`, or define it before this line")
+
+
+@pytest.mark.parametrize(
+    ("call", "repair"),
+    [
+        ('<xacro:eye name="a" ns="b"/>', "or add ns to the macro's params, or use a version of camera whose macro has it"),
+        ("<xacro:eye/>", "default in the macro's params (`name:=value`), or use a version of camera whose macro does not need it"),
+    ],
+)
+@pytest.mark.parametrize("package", ["camera", "p"])
+def test_the_parameters_of_a_macro_may_be_those_of_another_version_of_its_package(
+    tmp_path: Path, call: str, repair: str, package: str
+) -> None:
+    macro = '<xacro:macro name="eye" params="name"><link name="${name}"/></xacro:macro>'
+    files = {
+        "p/package.xml": "<package><name>p</name></package>",
+        "camera/package.xml": "<package><name>camera</name></package>",
+        f"{package}/eye.urdf.xacro": f"{HEAD}{macro}</robot>",
+        "p/r.urdf.xacro": f'{HEAD}<xacro:include filename="$(find {package})/eye.urdf.xacro"/>{call}</robot>',
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="p/r.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith(repair) == (package == "camera")
+
+
+@pytest.mark.parametrize("is_there", [True, False])
+def test_an_empty_folder_is_there(tmp_path: Path, is_there: bool) -> None:
+    (tmp_path / ("config" if is_there else "other")).mkdir()
+    finding = only(xacro(tmp_path, """<link name="${xacro.load_yaml('config/a.yaml')}"/>""", {"XAC001"}))
+    assert ("nor does its folder" in finding.message) != is_there

@@ -40,6 +40,7 @@ from urdfcheck.source.path_arguments import (
     find_missing_part,
     is_name_cut_off,
     list_full_names,
+    list_named_values,
     list_other_values,
     list_path_arguments,
     select_guilty,
@@ -49,7 +50,7 @@ from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
 from urdfcheck.source.uses_elsewhere import is_unused
-from urdfcheck.source.xacro.file_contents import has_parts
+from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     Condition,
@@ -70,9 +71,15 @@ _LITERAL = re.compile(r"""(['"])([^'"]+)\1""")
 # So many files that define the macro that is called are named in place of a missing one.
 _MOST_PROPOSED = 3
 # What stops an expansion with some values of its arguments, and not with others.
-_OF_VALUES = frozenset({"undefined-name", "macro-conditional", "file-name-empty"})
+_OF_VALUES = frozenset(
+    {"undefined-name", "macro-conditional", "file-name-empty", "argument-empty", "argument-leads-nowhere"}
+)
+# What an argument without a value stops: a template gets its values from what starts it.
+_OF_EMPTY_VALUES = frozenset({"argument-empty", "file-name-empty"})
 # The name of an argument in the options of the command.
 _OPTION = re.compile(r"--arg '?([\w.-]+):=")
+# A folder of a path that is an argument or a property as a whole.
+_FOLDER_NAME = re.compile(r"(?<=/)(?:\$\(arg\s+([\w.-]+)\s*\)|\$\{\s*(\w+)\s*\})(?=/)")
 _FOLDER = re.compile(r"\[Errno 21\] Is a directory|\[Errno 13\] Permission denied: '[^']*[/\\]'")
 # The start tag of a macro inside a comment.
 _COMMENTED_MACRO = re.compile(
@@ -91,6 +98,9 @@ _PATH_REPAIR = "correct the path"
 _STOPS = frozenset({"expansion-failed", "include-cycle"})
 _CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 _BUILT_IN_NAMES = {n.lower(): n for n in (*dir(math), "True", "False") if not n.startswith("_")}
+# Names of pi in other languages: xacro has it as `pi`.
+_NAMES_OF_PI = frozenset({"pi", "m_pi"})
+_DELETION = "delete this file if nothing needs it; else"
 _FILE_NAME_REPAIR = (
     "give the file name a default that exists, or read the file only when a name is given (`<xacro:if>`)"
 )
@@ -138,7 +148,11 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         remedy = str(report.data.get("remedy", "")) if report.message in _OF_VALUES else ""
         passing = _find_passing_launch(source, remedy)
         if passing is not None:
-            report.data["repair"] += f"; {format_path(passing)} passes one, known only at launch"
+            told = "repair" if "repair" in report.data else "there"
+            report.data[told] += f"; {format_path(passing)} passes one, known only at launch"
+        is_no_robot = _is_no_robot(source)
+        if is_no_robot and not str(report.data.get("repair", _DELETION)).startswith(_DELETION):
+            report.data["repair"] = f"{_DELETION} {report.data['repair']}"
         finding = rule.finding(
             report.message,
             at=report.at,
@@ -152,7 +166,30 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
         is_left_out |= source.package is not None and is_kept_aside(source.path, source.package.path)
         is_left_out |= passing is not None  # where it is started, the model has a value
+        is_left_out |= is_no_robot
+        is_left_out |= report.message == "environment-unread"  # only here it has no value
+        is_left_out |= report.message in _OF_EMPTY_VALUES and bool(remedy) and _is_started_from_outside(source)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
+
+
+def _is_no_robot(source: Source) -> bool:
+    """Whether a file that no other includes makes no robot, and no launch file names it: its <robot> has no name, which every
+    parser requires, or it defines macros and nothing that was read makes a link or a joint."""
+    is_library = defines_macros(source.main_tree) and not any(map(has_parts, source.trees.values()))
+    if source.is_part or not (_is_orphan(source) or (is_library and source.package is not None)):
+        return False
+    return not _is_named_by_launch(source)
+
+
+def _is_started_from_outside(source: Source) -> bool:
+    """Whether a model of a package is one that no launch file which must know it starts."""
+    return source.package is not None and not _is_named_by_launch(source)
+
+
+def _is_named_by_launch(source: Source) -> bool:
+    from urdfcheck.source.launch.loaded_files import is_named_by_launch  # only what fails asks for it
+
+    return is_named_by_launch(source.path, source.finder)
 
 
 def _find_passing_launch(source: Source, remedy: str) -> Path | None:
@@ -247,7 +284,8 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
         extra = tuple(a.location for a in defined[name])
     else:
         near = _find_built_in_name(name) or find_nearest_name(name, known)
-        near = near if near and _gets_past_with(failure, _list_renamings(failure, name, near)) else None
+        is_pi = name.lower() in _NAMES_OF_PI
+        near = near if near and (is_pi or _gets_past_with(failure, _list_renamings(failure, name, near))) else None
         defining = [] if near else _find_defining_files(failure.source, name, read_defined_properties)
         why = f" (did you mean {near!r}?)" if near else ""
         define = f'define it before this line: `<xacro:property name="{name}" value="…"/>`'
@@ -320,8 +358,8 @@ def _explain_undefined_argument(failure: _ExpansionFailure, name: str, declared:
 
 
 def _find_built_in_name(name: str) -> str | None:
-    """Return the built-in name of xacro that differs only in case: ``True`` for ``true``, ``pi`` for ``PI``."""
-    return _BUILT_IN_NAMES.get(name.lower())
+    """Return the built-in name of xacro that differs only in case: ``True`` for ``true``, ``pi`` for ``PI``, or ``M_PI``."""
+    return "pi" if name.lower() in _NAMES_OF_PI else _BUILT_IN_NAMES.get(name.lower())
 
 
 def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -441,7 +479,7 @@ def _read_root(source: Source, place: Path, name: str) -> Element | None:
 def _is_orphan(source: Source) -> bool:
     """Whether a file is a piece of a robot that no file includes: its <robot> has no name."""
     root = source.main_tree
-    return not source.is_part and root is not None and root.tag == "robot" and "name" not in root.attributes
+    return not source.is_part and root is not None and root.tag == "robot" and not can_have_name(root)
 
 
 def _is_unused(source: Source) -> bool:
@@ -462,9 +500,9 @@ def _describe_include(failure: _ExpansionFailure, files: Sequence[str], otherwis
     listed = " or ".join(pieces)
     if _is_orphan(source):
         place = f"in the model, after {listed}" if listed else f"in a model, such as {' or '.join(robots)}"
-        return f"delete this file if nothing needs it; else include it {place}"
+        return f"{_DELETION} include it {place}"
     repair = f"include {listed}{clause} before this line, or {otherwise}" if listed else otherwise
-    return f"delete this file if nothing needs it; else {repair}" if _is_unused(source) else repair
+    return f"{_DELETION} {repair}" if _is_unused(source) else repair
 
 
 def _gets_past_with_included(failure: _ExpansionFailure, name: str) -> bool:
@@ -567,6 +605,7 @@ def _explain_missing_parameters(failure: _ExpansionFailure, match: re.Match[str]
         have="has" if len(names) == 1 else "have",
         written=" ".join(f'{n}="…"' for n in names),
         plural="" if len(names) == 1 else "s",
+        version=_describe_version(failure, "does not need " + ("it" if len(names) == 1 else "them")),
     )
 
 
@@ -591,7 +630,23 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
         name=name,
         takes=join_names(parameters) or "none",
         hint=format_name_hint(name, set(parameters) - (set() if call is None else call.attributes.keys())),
+        version=_describe_version(failure, "has it"),
     )
+
+
+def _describe_version(failure: _ExpansionFailure, what: str) -> str:
+    """Name the other way for a macro of another package than its call: that package may be of another version."""
+    source, macro = failure.source, collect_macros(failure.source.trees).get(failure.macro)
+    call = _find_call(failure)
+    if macro is None or macro.element.span is None or call is None or call.span is None:
+        return ""
+    called, defined = (
+        source.finder.find_package_of(source.files[span.file].path.absolute())
+        for span in (call.span, macro.element.span)
+    )
+    if defined is None or called is None or called.path == defined.path:
+        return ""
+    return f", or use a version of {defined.name} whose macro {what}"
 
 
 def _find_foreign_namespace(call: Element, name: str) -> str | None:
@@ -660,7 +715,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         beside = []
     near = (
         _format_file_hint(failure, path, beside)
-        if beside
+        if beside or path.parent.is_dir()
         else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
@@ -672,6 +727,8 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     root = failure.source.finder.find_repository()
     if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
         correction = f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
+    elif package is not None and _is_of_another_package(failure, package):
+        correction = f"{_PATH_REPAIR}, add the file, or use a version of {package.name} that has it"
     if package is not None and elsewhere is None and len(namesakes) == 1:
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
@@ -710,6 +767,15 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _is_of_another_package(failure: _ExpansionFailure, package: Package) -> bool:
+    """Whether a package is another one than that of the file in which the problem is."""
+    span = failure.problem.location.span
+    if span is None or span.file not in failure.source.files:
+        return False
+    own = failure.source.finder.find_package_of(failure.source.files[span.file].path.absolute())
+    return own is not None and own.path != package.path
 
 
 def _find_above_python_package(source: Source, path: Path) -> tuple[Path, Path] | None:
@@ -754,10 +820,15 @@ def _find_other_start(failure: _ExpansionFailure) -> tuple[Path, str] | None:
 
 def _is_relative(failure: _ExpansionFailure) -> bool:
     """Whether the path that leads nowhere is typed without the name of a package, and does not start at the root."""
+    typed = _read_typed(failure).strip("\"' ")
+    return "$(find" not in typed and not typed.startswith("/")
+
+
+def _read_typed(failure: _ExpansionFailure) -> str:
+    """Return the text that failed as it is typed."""
     span = failure.problem.location.span
     file = None if span is None else failure.source.files.get(span.file)
-    typed = "" if span is None or file is None else file.text[span.start : span.end].strip("\"' ")
-    return "$(find" not in typed and not typed.startswith("/")
+    return "" if span is None or file is None else file.text[span.start : span.end]
 
 
 def _format_file_hint(failure: _ExpansionFailure, path: Path, beside: Sequence[str]) -> str:
@@ -804,7 +875,10 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
     missing = find_missing_part(source, path)
     guilty = select_guilty(arguments, missing)
     empty = [argument for argument in arguments if not argument.value]
-    if not guilty and (not empty or (path.parent.is_dir() and not is_name_cut_off(path))):
+    folders = _list_folder_arguments(failure)
+    lacks_folder = any(argument.name in folders for argument in empty)
+    is_cut = lacks_folder or is_name_cut_off(path)
+    if not guilty and (not empty or (path.parent.is_dir() and not is_cut)):
         return None
     told = guilty or empty
     choices = (
@@ -812,7 +886,7 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         if len(told) > 1
         else list_other_values(source, told[0], missing)
         if guilty
-        else list_full_names(source, path)
+        else list_full_names(source, path) or (list_named_values(source, told[0]) if lacks_folder else [])
     )
     options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
     is_whole = len(told) == 1 and not choices and Path(told[0].value).name == path.name
@@ -832,6 +906,16 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         options=options,
         remedy=options,
     )
+
+
+def _list_folder_arguments(failure: _ExpansionFailure) -> set[str]:
+    """Return the arguments that are the whole name of a folder in the path as typed, ``arms/$(arg arm)/arm.xacro``, or the value
+    of a property that is."""
+    text, properties = _read_typed(failure), collect_properties(failure.source.trees)
+    names = {name or prop for name, prop in _FOLDER_NAME.findall(text)}
+    definitions = (a.owner for name in names for a in properties.get(name, ()) if a.owner is not None)
+    values = (definition.get("value").strip() for definition in definitions)
+    return names | {match[1] for value in values if (match := ARGUMENT.fullmatch(value))}
 
 
 def _list_read_arguments(failure: _ExpansionFailure) -> list[Location]:

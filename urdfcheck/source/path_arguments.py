@@ -88,6 +88,14 @@ def list_other_values(source: Source, argument: PathArgument, missing: Path) -> 
     ]
 
 
+def list_named_values(source: Source, argument: PathArgument) -> list[str]:
+    """Return the values of an argument that the files of the model know, without the one that it has."""
+    from urdfcheck.source.xacro.argument_values import find_argument_choices  # only what is missing asks for it
+
+    choices = (c for c in find_argument_choices(source.path, source.finder) if c.name == argument.name)
+    return [value for choice in choices for value in choice.existing_values if value not in ("", argument.value)]
+
+
 def is_name_cut_off(path: Path) -> bool:
     """Whether the name of a file begins with what separates its parts: ``.urdf.xacro``, ``_macro.xacro``."""
     return path.name.startswith((".", "_", "-"))
