@@ -2199,3 +2199,32 @@ def test_an_empty_folder_is_there(tmp_path: Path, is_there: bool) -> None:
     (tmp_path / ("config" if is_there else "other")).mkdir()
     finding = only(xacro(tmp_path, """<link name="${xacro.load_yaml('config/a.yaml')}"/>""", {"XAC001"}))
     assert ("nor does its folder" in finding.message) != is_there
+
+
+@pytest.mark.parametrize(("folder", "severity"), [("urdf", Severity.ERROR), ("urdf/old", Severity.WARNING)])
+def test_a_call_without_the_prefix_in_a_kept_file_is_a_warning(tmp_path: Path, folder: str, severity: Severity) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        f"{folder}/car.urdf.xacro": HEAD + BASE + WHEEL + '<wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / f"{folder}/car.urdf.xacro", codes={"XAC007"}))
+    assert (finding.message_id, finding.severity) == ("unprefixed", severity)
+
+
+@pytest.mark.parametrize(
+    ("inside", "is_call"),
+    [('<eye n="${n}"/>', False), ('<xacro:if value="${n > 0}"><eye n="${n - 1}"/></xacro:if>', True)],
+)
+def test_a_tag_in_the_macro_of_its_own_name_is_no_call_without_an_end(
+    tmp_path: Path, inside: str, is_call: bool
+) -> None:
+    text = f'<xacro:macro name="eye" params="n">{inside}</xacro:macro><xacro:eye n="1"/>'
+    assert bool(xacro(tmp_path, text, {"XAC007"}).findings) == is_call
+
+
+@pytest.mark.parametrize(("value", "severity"), [("HOME", Severity.WARNING), ("nothing", Severity.ERROR)])
+def test_a_variable_that_is_not_read_is_a_warning(tmp_path: Path, value: str, severity: Severity) -> None:
+    """Where it is set, the model is expanded."""
+    text = "$(env HOME)" if value == "HOME" else "${nothing}"
+    finding = only(xacro(tmp_path, f'<link name="{text}"/>', {"XAC001"}))
+    assert (finding.severity, finding.blocks_check) == (severity, True)

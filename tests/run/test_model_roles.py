@@ -178,7 +178,8 @@ def test_what_others_include_may_have_any_root(package: Path, body: str) -> None
     [
         ("root", MACRO, []),
         ("root", '<property name="a" value="1"/><material name="m"/>' + MACRO, []),
-        ("root", include("none.xacro") + MACRO, ["XAC001"]),
+        ("root", include("none.xacro") + MACRO, []),
+        ("root", include("none.xacro") + MACRO + "<xacro:wheel/>", ["XAC001"]),
         ("root", '<property name="a" value="1"/><link name="w"/>', ["XML002"]),
         ("root", '<property name="a" value="1"/><include filename="none.xacro"/>', ["XML002", "XAC007"]),
         ("robt", '<link name="w"/>', ["XML002"]),

@@ -14,6 +14,7 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
+from urdfcheck.source.package.package_folders import is_kept_aside
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.problems import find_lacking
 from urdfcheck.source.text.tokens import build_removal_edits
@@ -97,7 +98,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     by_file: dict[str, list[Element]] = {}
     for element in find_unprefixed_tags(source.trees):
         span = element.span
-        if span is None:
+        if span is None or _calls_itself(element):
             continue
         if span.file in own_trees or (span.file, span.start) in left_over or _stops_expansion(source, element):
             by_file.setdefault(span.file, []).append(element)
@@ -136,7 +137,23 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
             consequences=_describe_consequences(source, elements),
         )
+        if finding.severity is Severity.ERROR and _is_kept_aside(source):
+            finding = replace(finding, severity=Severity.WARNING)
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
+
+
+def _is_kept_aside(source: Source) -> bool:
+    """Whether a model is in a folder of what is kept and not used: no program loads it."""
+    return source.package is not None and is_kept_aside(source.path, source.package.path)
+
+
+def _calls_itself(element: Element) -> bool:
+    """Whether an element would call the macro that it is in, under no condition: with the prefix xacro would never end, and so it
+    is a tag of another program."""
+    outer = element.parent
+    while outer is not None and outer.tag not in {"xacro:macro", "xacro:if", "xacro:unless"}:
+        outer = outer.parent
+    return outer is not None and outer.tag == "xacro:macro" and outer.get("name") == element.tag
 
 
 def _build_circular_finding(source: Source, rule: Rule, elements: Sequence[Element]) -> Finding:
