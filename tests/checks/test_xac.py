@@ -2228,3 +2228,20 @@ def test_a_variable_that_is_not_read_is_a_warning(tmp_path: Path, value: str, se
     text = "$(env HOME)" if value == "HOME" else "${nothing}"
     finding = only(xacro(tmp_path, f'<link name="{text}"/>', {"XAC001"}))
     assert (finding.severity, finding.blocks_check) == (severity, True)
+
+
+@pytest.mark.parametrize(("ignored", "is_built"), [("made/", True), ("build/", False)])
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_file_that_git_ignores_is_to_be_built_with_its_folder(
+    tmp_path: Path, ignored: str, is_built: bool, is_there: bool
+) -> None:
+    files = {
+        ".gitignore": f"{ignored}\n",
+        "package.xml": "<package><name>car</name></package>",
+        "car.urdf.xacro": HEAD + BASE + '<xacro:include filename="$(find car)/made/sizes.xacro"/></robot>',
+    }
+    if is_there:
+        (tmp_path / "made").mkdir()
+    finding = only(check(write(tmp_path, files) / "car.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("build car first, which may make the file; if it does not, ") == is_built

@@ -718,6 +718,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         if beside or path.parent.is_dir()
         else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
+    no_cause = {"", near} if not beside else {""}
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     files = {} if package is None else index_files([package.path])
     elsewhere = find_uninstalled_file(path, package, files)
@@ -761,7 +762,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         repair = f"install its folder (CMakeLists.txt or setup.py), or {correction}"
     elif checkout := propose_checkout_around(path, failure.source.finder):
         repair = checkout
-    elif not near and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
+    elif near in no_cause and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
         repair = f"build {package.name} first, which may make the file; if it does not, {correction}"
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
     if failure.expression:
