@@ -2174,8 +2174,14 @@ def test_pi_under_the_name_of_another_language_is_pi(tmp_path: Path, name: str) 
 @pytest.mark.parametrize(
     ("call", "repair"),
     [
-        ('<xacro:eye name="a" ns="b"/>', "or add ns to the macro's params, or use a version of camera whose macro has it"),
-        ("<xacro:eye/>", "default in the macro's params (`name:=value`), or use a version of camera whose macro does not need it"),
+        (
+            '<xacro:eye name="a" ns="b"/>',
+            "or add ns to the macro's params, or use a version of camera whose macro has it",
+        ),
+        (
+            "<xacro:eye/>",
+            "(`name:=value`), or use a version of camera whose macro does not need it",
+        ),
     ],
 )
 @pytest.mark.parametrize("package", ["camera", "p"])

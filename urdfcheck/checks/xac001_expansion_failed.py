@@ -724,12 +724,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     elsewhere = find_uninstalled_file(path, package, files)
     read = set(map(os.path.abspath, failure.source.files))
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
-    correction = f"{_PATH_REPAIR}, or add the file" + (f"; {_RELATIVE_HINT}" if _is_relative(failure) else "")
-    root = failure.source.finder.find_repository()
-    if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
-        correction = f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
-    elif package is not None and _is_of_another_package(failure, package):
-        correction = f"{_PATH_REPAIR}, add the file, or use a version of {package.name} that has it"
+    correction = _describe_correction(failure, package)
     if package is not None and elsewhere is None and len(namesakes) == 1:
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
@@ -768,6 +763,16 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
+
+
+def _describe_correction(failure: _ExpansionFailure, package: Package | None) -> str:
+    """Say what to do with a path that leads nowhere and that nothing explains: its package may be of another version."""
+    root = failure.source.finder.find_repository()
+    if package is not None and root is not None and not package.path.absolute().is_relative_to(root):
+        return f"{_PATH_REPAIR}, or use a release of {package.name} that has the file"
+    if package is not None and _is_of_another_package(failure, package):
+        return f"{_PATH_REPAIR}, add the file, or use a version of {package.name} that has it"
+    return f"{_PATH_REPAIR}, or add the file" + (f"; {_RELATIVE_HINT}" if _is_relative(failure) else "")
 
 
 def _is_of_another_package(failure: _ExpansionFailure, package: Package) -> bool:
