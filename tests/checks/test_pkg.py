@@ -269,6 +269,35 @@ def test_gazebo_finds_a_folder_to_which_a_launch_file_leads_it(
 
 
 @pytest.mark.parametrize(
+    ("launch", "path", "message", "severity"),
+    [
+        (SIM, "model://p/a.stl", "gazebo-path", Severity.INFO),
+        (SIM + "\nNode(package='rviz2')", "model://p/a.stl", "gazebo-path", Severity.WARNING),
+        (SIM, "package://p/a.stl", "file", Severity.ERROR),
+        ("# " + SIM, "model://p/a.stl", "file", Severity.ERROR),
+        (SIM.replace("assets", "worlds"), "model://p/a.stl", "file", Severity.ERROR),
+        (SIM, "model://p/b.stl", "file", Severity.ERROR),
+    ],
+)
+def test_a_model_of_gazebo_may_have_the_name_of_its_package(
+    tmp_path: Path, launch: str, path: str, message: str, severity: Severity
+) -> None:
+    folder = package(tmp_path, "assets/p/a.stl")
+    write(tmp_path, {"p/launch/sim.launch.py": launch})
+    finding = only(audit(folder, make_mesh_link("a", path)))
+    assert (finding.message_id, finding.severity) == (message, severity)
+    assert finding.fix is not None
+    assert ("`package://p/assets/p/a.stl`" in finding.fix.title) == (message == "gazebo-path")
+
+
+def test_a_file_that_gazebo_lacks_too_is_missing_beside_those_that_it_finds(tmp_path: Path) -> None:
+    folder = package(tmp_path, "assets/p/a.stl")
+    write(tmp_path, {"p/launch/sim.launch.py": SIM})
+    found = audit(folder, make_mesh_link("a", "model://p/a.stl", "model://p/b.stl")).findings
+    assert {finding.message_id for finding in found} == {"gazebo-path", "file"}
+
+
+@pytest.mark.parametrize(
     ("launch", "is_led"),
     [
         ('<env name="GAZEBO_MODEL_PATH" value="$(find p)/assets"/>', True),

@@ -12,6 +12,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
+from urdfcheck.source.gazebo_uses import is_lost_to_others, names_gazebo_model
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
@@ -61,8 +62,6 @@ _NOTES = frozenset({
 # What a file is of which no program of the robot needs the meshes, by what says so.
 _KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
 _ONLY_TO_BUILD = "; package.xml declares it only for the build: add `<exec_depend>{}</exec_depend>`"
-# Programs that do not read `model://`.
-_OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)")
 
 
@@ -128,11 +127,11 @@ def _build_finding(
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
-    is_of_gazebo = is_lost and kind == "files" and all(map(_names_gazebo_model, uses))
+    is_of_gazebo = is_lost and kind == "files" and all(map(names_gazebo_model, uses))
     on_path = _find_folder_on_path(source, package, files) if is_of_gazebo else None
     may_be_model = bool(package) and not checkout and (message == "files-aside" or (is_lost and message == "files"))
     gazebo_model = _find_gazebo_model(source, package, files) if may_be_model else None
-    is_named_for_gazebo = all(map(_names_gazebo_model, uses)) or source.package is None
+    is_named_for_gazebo = all(map(names_gazebo_model, uses)) or source.package is None
     is_for_gazebo, is_used = gazebo_model is not None and is_named_for_gazebo, message == "files"
     is_of_gazebo = is_of_gazebo and not _find_own_files(source, files)
     if message == "expansion" and clone is not None and _is_named_by_checkout(source, clone):
@@ -157,7 +156,7 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     # Its other programs lack what nothing else of the link stands for.
     is_model = message == "files-gazebo" and source.package is not None and is_used
-    is_outside = is_outside or ((message == "files-path" or is_model) and _is_lost_to_others(uses, source))
+    is_outside = is_outside or ((message == "files-path" or is_model) and is_lost_to_others(uses, source))
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
     # A package may be meant by its name and lack the files all the same.
@@ -246,39 +245,12 @@ def _describe_others(package: str, own: Sequence[str], source: Source) -> str:
     return f"for other programs, write `package://{source.package.name}/{own[0]}`{likewise}"
 
 
-def _names_gazebo_model(use: ResourceUse) -> bool:
-    """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
-    return use.resource.text.lower().startswith("model://")
-
-
 def _find_folder_on_path(source: Source, package: str, files: Sequence[str]) -> GazeboFolder | None:
     """Return the folder of the model's own package that has all files, and to which a file of the project leads Gazebo."""
     paths = [f"{package}/{get_path_in_package(file, package)}" for file in files]
     if source.package is None or not package:
         return None
     return find_gazebo_folder(source.package.path, iter_user_texts(source), paths)
-
-
-def _is_lost_to_others(uses: Sequence[ResourceUse], source: Source) -> bool:
-    """Whether a program that does not read ``model://`` is named in the project, and finds no other shape in place of one of
-    these."""
-    own = {use.attribute.owner for use in uses}
-    shapes = [_find_shape(use.attribute.owner) for use in uses]
-    lacking = any(
-        shape is not None
-        and shape.parent is not None
-        and all(own.intersection(other.walk()) for other in shape.parent.find_children(shape.tag))
-        for shape in shapes
-    )
-    return lacking and any(map(_OTHER_READERS.search, read_project_texts(source)))
-
-
-def _find_shape(element: Element) -> Element | None:
-    """Return the visual or collision that an element is in."""
-    above: Element | None = element
-    while above is not None and above.tag not in {"visual", "collision"}:
-        above = above.parent
-    return above
 
 
 def _find_gazebo_model(source: Source, package: str, files: Sequence[str]) -> Path | None:

@@ -7,11 +7,12 @@ import re
 import shlex
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import field
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
+from urdfcheck.source.gazebo_uses import is_lost_to_others, names_gazebo_model
 from urdfcheck.source.launch.built_files import find_making_build, is_git_ignored
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -50,11 +51,12 @@ from urdfcheck.source.resources import (
     list_resource_uses,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
+from urdfcheck.source.ros.gazebo_paths import GazeboFolder, select_on_gazebo_path
 from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import explain_kept_file
+from urdfcheck.source.uses_elsewhere import explain_kept_file, iter_user_texts
 
 _REPAIRS = {
     "file": "correct the path, or add the file",
@@ -113,6 +115,11 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             path=format_path(place),
             what=what,
         )
+    found_by_gazebo: set[ResourceUse] = set()
+    for uses, place in _list_uses_on_gazebo_path((use for use, _ in missing), source):
+        found_by_gazebo.update(uses)
+        yield _build_gazebo_finding(uses, place, rule, source)
+    missing = [(use, path) for use, path in missing if use not in found_by_gazebo]
     if not missing:
         return
     index = index_files({find_search_root(use, source) for use, _ in missing})
@@ -129,6 +136,46 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     moved = find_moved_files({normalise_path(path) for _, path in missing}, index)
     for gap in _group_missing_files(missing):
         yield _build_finding(gap, index, rule, source, moved=moved)
+
+
+def _list_uses_on_gazebo_path(
+    missing: Iterable[ResourceUse], source: Source
+) -> Iterator[tuple[list[ResourceUse], GazeboFolder]]:
+    """Yield the uses of each package that mean models of Gazebo in a folder to which a file of the project leads it.
+
+    Gazebo tries each folder of its path; the package may have the name of such a model.
+    """
+    by_package: dict[str, dict[str, list[ResourceUse]]] = {}
+    for use in filter(names_gazebo_model, missing):
+        name = use.resource.package or ""
+        path = f"{name}/{get_path_in_package(use.resource.text, name)}"
+        by_package.setdefault(name, {}).setdefault(path, []).append(use)
+    for named in by_package.values() if source.package is not None else ():
+        found = select_on_gazebo_path(source.package.path, iter_user_texts(source), list(named))
+        if found is not None:
+            place, paths = found
+            yield [use for path, uses in named.items() if path in paths for use in uses], place
+
+
+def _build_gazebo_finding(uses: list[ResourceUse], place: GazeboFolder, rule: Rule, source: Source) -> Finding:
+    """Report all files that only Gazebo finds, on the path that a file of the project sets."""
+    files = list(dict.fromkeys(use.resource.text for use in uses))
+    file = place.folder / get_path_in_package(files[0], "")
+    package = source.finder.find_package_of(file) or source.package
+    return rule.finding(
+        "gazebo-path",
+        at=uses[0],
+        related={use.attribute.span: use for use in uses if use.attribute.span != uses[0].attribute.span}.values(),
+        severity=Severity.WARNING if is_lost_to_others(uses, source) else Severity.INFO,
+        lost=name_lost_shapes(use.attribute.owner for use in uses),
+        folder=format_path(place.folder),
+        setter=place.file.name,
+        variable=place.variable,
+        address="" if package is None else f"package://{package.name}/{file.relative_to(package.path).as_posix()}",
+        files=files,
+        amount=format_count(len(files), "mesh file"),
+        listed=join_names(list(dict.fromkeys(PurePosixPath(text).name for text in files)), 4),
+    )
 
 
 def _build_python_finding(uses: list[tuple[ResourceUse, Path]], package: str, rule: Rule) -> Finding:

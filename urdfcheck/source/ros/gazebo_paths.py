@@ -8,7 +8,7 @@ from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.package_folders import drop_comments
-from urdfcheck.source.package.similar_files import index_files
+from urdfcheck.source.package.similar_files import FilesByName, index_files
 
 # The variables of the paths on which Gazebo looks for `model://`, and the attribute of an export in a package.xml that sets one.
 # SDF_PATH is also what scripts call the path of a file: only that in quotes, or set in a shell, is the variable.
@@ -30,11 +30,25 @@ class GazeboFolder:
 
 def find_gazebo_folder(package: Path, texts: Iterable[tuple[Path, str]], paths: Sequence[str]) -> GazeboFolder | None:
     """Return the folder of a package that has files at all these ``paths``, if one of the ``texts`` sets a path of Gazebo and
-    names the folder.
+    names the folder."""
+    return _find_named_folder(_list_folders_with(index_files([package]), package, paths), texts)
+
+
+def select_on_gazebo_path(
+    package: Path, texts: Iterable[tuple[Path, str]], paths: Sequence[str]
+) -> tuple[GazeboFolder, set[str]] | None:
+    """Return the same for a folder that has some of the ``paths``, with these."""
+    index = index_files([package])
+    places = {path: _list_folders_with(index, package, [path]) for path in paths}
+    found = _find_named_folder(list(dict.fromkeys(folder for folders in places.values() for folder in folders)), texts)
+    return None if found is None else (found, {path for path, folders in places.items() if found.folder in folders})
+
+
+def _find_named_folder(folders: Sequence[Path], texts: Iterable[tuple[Path, str]]) -> GazeboFolder | None:
+    """Return the folder that a text names which sets a path of Gazebo.
 
     What a launch file computes is not known: it is enough that it names both.
     """
-    folders = _list_folders_with(package, paths)
     for file, text in texts if folders else ():
         if RESOURCE_PATH.search(text) is None:
             continue
@@ -47,12 +61,12 @@ def find_gazebo_folder(package: Path, texts: Iterable[tuple[Path, str]], paths: 
     return None
 
 
-def _list_folders_with(package: Path, paths: Sequence[str]) -> list[Path]:
+def _list_folders_with(index: FilesByName, package: Path, paths: Sequence[str]) -> list[Path]:
     """List the folders of a package that have files at all these paths below them.
 
     What is in the package's own folder is found without a path of Gazebo.
     """
-    index, common = index_files([package]), list[Path]()
+    common = list[Path]()
     for number, path in enumerate(paths):
         parts = tuple(path.split("/"))
         depth = len(parts) - 1
