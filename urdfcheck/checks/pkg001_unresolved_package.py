@@ -36,7 +36,7 @@ from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, find_gazebo_folder
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
-from urdfcheck.source.text.xml import Element, flatten_definitions
+from urdfcheck.source.text.xml import flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
     KEPT_ASIDE,
     OF_TESTS,
@@ -45,7 +45,6 @@ from urdfcheck.source.uses_elsewhere import (
     is_certainly_left_aside,
     is_unused,
     iter_user_texts,
-    read_project_texts,
 )
 from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
 
