@@ -2328,3 +2328,81 @@ def test_an_argument_that_skips_the_include_of_a_missing_package(
     assert finding.fix is not None
     assert told in finding.fix.title
     assert ("--arg" in finding.fix.title) == bool(told)
+
+
+@pytest.mark.parametrize(
+    ("script", "path", "message", "severity"),
+    [
+        ("t.replace('MESH_PATH_HERE', folder)", "MESH_PATH_HERE/a.stl", "folder", Severity.INFO),
+        ("t.replace('MESH_PATH_HERE', folder)", "MESH_PATH_HERE", "file", Severity.INFO),
+        ("print('MESH_PATH_HERE')", "MESH_PATH_HERE/a.stl", "folder", Severity.ERROR),
+        ("t.replace('meshes', 'mesh')", "meshes/a.stl", "folder", Severity.ERROR),
+        ("t.replace('PATHTOMESHES', 'p')", "package://PATHTOMESHES/a.stl", "files-kept", Severity.INFO),
+        ("t.replace('PATH', 'p')", "package://PATHTOMESHES/a.stl", "files", Severity.ERROR),
+    ],
+)
+def test_a_placeholder_that_a_script_fills_in_is_no_missing_file(
+    tmp_path: Path, script: str, path: str, message: str, severity: Severity
+) -> None:
+    folder = package(tmp_path)
+    write(tmp_path, {"p/scripts/fill.py": script})
+    finding = only(audit(folder, make_mesh_link("a", path)))
+    assert (finding.message_id, finding.severity) == (message, severity)
+    assert finding.fix is not None
+    assert ("the script writes" in finding.fix.title) == (severity is Severity.INFO)
+
+
+def test_sed_fills_in_a_placeholder_too(tmp_path: Path) -> None:
+    folder = package(tmp_path)
+    write(tmp_path, {"p/gen.sh": 'sed -i "s@package://PATHTOMESHES@package://p@g" p.urdf'})
+    assert only(audit(folder, make_mesh_link("a", "package://PATHTOMESHES/a.stl"))).severity is Severity.INFO
+
+
+def test_a_placeholder_that_nothing_fills_in_is_to_be_replaced(tmp_path: Path) -> None:
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "ABSOLUTE_PATH_TO_MESHES/a.stl")))
+    assert finding.severity is Severity.ERROR
+    assert finding.fix is not None
+    assert finding.fix.title == "write the folder of the meshes in place of ABSOLUTE_PATH_TO_MESHES"
+
+
+@pytest.mark.parametrize(
+    ("path", "severity"),
+    [
+        ("robot/arm.osg", Severity.INFO),
+        ("robot/arm.stl", Severity.ERROR),
+        ("package://p/robot/arm.osg", Severity.ERROR),
+    ],
+)
+def test_uwsim_looks_for_its_formats_in_its_own_folders(tmp_path: Path, path: str, severity: Severity) -> None:
+    finding = only(audit(package(tmp_path), make_mesh_link("a", path)))
+    assert finding.severity is severity
+    assert ("UWSim" in finding.message) == (severity is Severity.INFO)
+
+
+@pytest.mark.parametrize(("count", "is_told"), [(3, True), (1, False)])
+def test_most_files_of_relative_paths_that_are_in_a_folder_above_show_where_they_start(
+    tmp_path: Path, count: int, *, is_told: bool
+) -> None:
+    folder = package(tmp_path, *(f"meshes/{number}.stl" for number in range(count)))
+    finding = only(audit(folder, *(make_mesh_link(f"l{n}", f"meshes/{n}.stl") for n in range(4))))
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert ("write `../meshes/0.stl`, and the others likewise; add 3.stl there too" in finding.fix.title) == is_told
+    assert ("3 of them are in ../meshes" in finding.message) == is_told
+
+
+def test_pinocchio_finds_relative_paths_in_a_folder_of_its_package_dirs(tmp_path: Path) -> None:
+    finding = only(audit(package(tmp_path, "meshes/a.stl"), make_mesh_link("a", "meshes/a.stl")))
+    assert "unless the folder that the paths start from is in package_dirs" in finding.consequences["pinocchio"]
+
+
+@pytest.mark.parametrize(("names", "is_found"), [("abc", True), ("ab", False), ("abcd", False)])
+def test_files_of_an_unknown_package_in_a_folder_beside_a_model_of_no_package_are_named(
+    tmp_path: Path, names: str, *, is_found: bool
+) -> None:
+    write(tmp_path, {f"m/meshes/{name}.stl": "" for name in "abc"})
+    links = (make_mesh_link(name, f"package://head/{name}.stl") for name in names)
+    finding = only(audit(tmp_path / "m/r.urdf", *links))
+    assert finding.fix is not None
+    assert ("`meshes/a.stl`" in finding.fix.title) == is_found
+    assert ("in meshes" in finding.message) == is_found

@@ -42,6 +42,7 @@ from urdfcheck.source.uses_elsewhere import (
     OF_TESTS,
     explain_kept_file,
     find_deploying_script,
+    find_filling_script,
     is_certainly_left_aside,
     is_unused,
     iter_user_texts,
@@ -126,6 +127,8 @@ def _build_finding(
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
+    filling = find_filling_script(source, package) if is_lost and uses and package else None
+    kept = kept if filling is None else f"{filling.name} writes something else in place of {package}"
     is_of_gazebo = is_lost and kind == "files" and all(map(names_gazebo_model, uses))
     on_path = _find_folder_on_path(source, package, files) if is_of_gazebo else None
     may_be_model = bool(package) and not checkout and (message == "files-aside" or (is_lost and message == "files"))
@@ -175,6 +178,8 @@ def _build_finding(
     if kind == "expansion" and clone is None:
         skipping = find_skipping_argument(source, at)
         repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
+    if filling is not None:
+        repair = f"nothing if only what the script writes is loaded; else {repair}"
     if message == "files-gazebo":
         repair = _describe_others(package, own, source)
     finding = rule.finding(
@@ -209,7 +214,7 @@ def _build_finding(
         inside=inside,
         script="" if script is None else script.name,
         kept=kept,
-        kind=_KINDS_OF_KEPT.get(kept, "an original"),
+        kind="a template" if filling is not None else _KINDS_OF_KEPT.get(kept, "an original"),
         hint=(
             f" (did you mean {join_names(near)}{evidence}?)"
             if near
@@ -363,9 +368,21 @@ def _find_files_here(uses: Sequence[ResourceUse], source: Source) -> dict[str, P
     for use in uses:
         path = find_above(use, source) or find_in_project(use, source)
         if path is None:
-            return {}
+            return _find_in_folder_beside(uses, source)
         found[use.resource.text] = path
     return found
+
+
+def _find_in_folder_beside(uses: Iterable[ResourceUse], source: Source) -> dict[str, Path]:
+    """Return for each text the file of its name in one folder beside the model that has them all, if they are several."""
+    names = {use.resource.text: PurePosixPath(use.resource.text).name for use in uses}
+    around = source.path.absolute().parent
+    if len(names) < _LEAST_FILES or not source.finder.can_open(around):
+        return {}
+    here, folders, _ = next(walk(around), ("", [], []))
+    places = (Path(here, folder) for folder in sorted(folders) if not folder.startswith("."))
+    place = next((place for place in places if _has_all_files(place, list(names.values()), source)), None)
+    return {} if place is None else {text: place / name for text, name in names.items()}
 
 
 def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:

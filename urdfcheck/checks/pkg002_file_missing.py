@@ -56,7 +56,7 @@ from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import explain_kept_file, iter_user_texts
+from urdfcheck.source.uses_elsewhere import explain_kept_file, find_filling_script, iter_user_texts
 
 _REPAIRS = {
     "file": "correct the path, or add the file",
@@ -72,6 +72,10 @@ _FOLDER_WORDS = frozenset({
     *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified"),
     *("src", "step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
 })  # fmt: skip
+# Formats of OpenSceneGraph, which of the robot programs UWSim alone reads.
+_OSG_SUFFIXES = frozenset({".osg", ".osgb", ".osgt", ".ive"})
+# What is to be filled in by hand: `ABSOLUTE_PATH_TO_MESHES`, `<mesh folder>`.
+_PATH_PLACEHOLDER = re.compile(r"(?:[A-Z]+_)*(?:PATH|PLACEHOLDER)(?:_[A-Z]+)*|<[^<>]+>|\{[^{}]+\}|@\w+@|%\(\w+\)s")
 # Those of the two kinds of shapes.
 _DRAWN, _TOUCHED = frozenset({"vis", "visual", "visuals"}), frozenset({"col", "collision", "collisions"})
 
@@ -239,13 +243,16 @@ def _build_finding(
     here = {} if argued or elsewhere or similar_files or owners or outside else _find_files_here(gap, source)
     own = format_path_from_model(next(iter(outside.values())), source) if outside else ""
     mujoco = describe_mujoco_path(outside.values(), source) if outside else ""
+    lacking = _list_lacking(outside, gap) if outside else []
+    add = f"; add {join_names(lacking, 3)} there too" if lacking else ""
     is_explained = bool(argued or outside or elsewhere or near or here)
     beside, repair_beside = ("", "") if is_explained else _describe_place_of_part(gap, source)
     # No program of the robot loads such a model, as in PKG001.
-    kept = "" if is_explained or beside else explain_kept_file(source)
+    other_program, program_repair = ("", "") if is_explained or beside else _explain_by_other_program(gap, source)
+    kept = "" if is_explained or beside or other_program else explain_kept_file(source)
     build = "" if is_explained or beside or package is None else find_making_build(gap.files, package.path)
     hint = argued or (
-        _describe_place(outside, source)
+        _describe_place(outside, gap, source)
         if outside
         else describe_uninstalled_file(elsewhere)
         if elsewhere
@@ -255,26 +262,28 @@ def _build_finding(
         if owners
         else f" (did you mean {join_names(near, 2)}?)"
         if near
-        else beside
+        else beside or other_program
     )
     message = "folder" if gap.folder is not None else "file" if len(gap.files) == 1 else "several"
     return rule.finding(
         message,
         at=at,
         related=[*related.values(), *places],
-        severity=Severity.INFO if kept or build else None,
-        edits=[] if mujoco else _propose_edits(outside, source),
+        severity=Severity.INFO if kept or build or other_program else None,
+        edits=[] if mujoco or lacking else _propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         lost=name_lost_shapes(use.attribute.owner for use in gap.uses),
-        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}{mujoco}"
+        repair=f"write `{own}`{'' if len(outside) == 1 else ', and the others likewise'}{add}{mujoco}"
         if own
         else describe_project_path(here.values(), source)
         if here
         else _describe_owner(gap, owners, source)
         or _describe_checkout(gap, source)
         or repair_beside
+        or program_repair
         or (f"build {package.name} first: its {build} names the file and may make it" if build and package else "")
         or _describe_version(gap, source)
+        or _describe_placeholder(gap)
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
         files=list(gap.files.values()),
         amount=format_count(len(gap.files), "mesh file"),
@@ -326,16 +335,25 @@ def _describe_other_package(package: Package, here: Mapping[str, Path], source: 
 def _find_outside(gap: _MissingFiles, source: Source) -> dict[ResourceUse, Path]:
     """Return the files that relative paths name from a folder above the model's, where Bullet finds them.
 
-    Empty unless all are there.
+    Empty unless all are there, or most of several: then the others are missing there too.
     """
     found = {use: find_above(use, source) for use in gap.uses if use.resource.kind == "relative"}
     there = {use: path for use, path in found.items() if path is not None}
-    return there if len(there) == len(gap.uses) else {}
+    texts = {use.resource.text for use in there}
+    are_most = len(texts) >= MOVED and 2 * len(texts) > len(gap.files)
+    return there if len(there) == len(gap.uses) or are_most else {}
 
 
-def _describe_place(outside: Mapping[ResourceUse, Path], source: Source) -> str:
+def _list_lacking(outside: Mapping[ResourceUse, Path], gap: _MissingFiles) -> list[str]:
+    """List the names of the files that are not among those in a folder above the model's."""
+    there = {use.resource.text for use in outside}
+    return [path.name for path, text in gap.files.items() if text not in there]
+
+
+def _describe_place(outside: Mapping[ResourceUse, Path], gap: _MissingFiles, source: Source) -> str:
     folders = dict.fromkeys(format_path_from_model(path.parent, source) for path in outside.values())
-    what = "it is" if len(set(outside.values())) == 1 else "they are"
+    count = len(set(outside.values()))
+    what = f"{count} of them are" if _list_lacking(outside, gap) else "it is" if count == 1 else "they are"
     return f" (from the model's folder {what} in {join_names(folders, 2)})"
 
 
@@ -375,6 +393,40 @@ def _describe_place_of_part(gap: _MissingFiles, source: Source) -> tuple[str, st
         return hint, f"write `{address}`{likewise}: that means the same in every model"
     what = "the file" if len(there) == 1 else "the files that are missing there too"
     return hint, f"correct the path; or add {what} and write `{address}`{likewise}"
+
+
+def _explain_by_other_program(gap: _MissingFiles, source: Source) -> tuple[str, str]:
+    """Say what finds or fills in relative paths that lead nowhere from the model's folder, and the repair; both empty for
+    others."""
+    if any(use.resource.kind != "relative" for use in gap.uses):
+        return "", ""
+    if all(path.suffix.lower() in _OSG_SUFFIXES for path in gap.files):
+        return (
+            "; UWSim, which reads this format, looks in its data folders too",
+            "nothing if only UWSim loads the model; otherwise write the paths of meshes in a format that others read",
+        )
+    word = _get_first_part(gap)
+    script = find_filling_script(source, word)
+    if script is None:
+        return "", ""
+    return (
+        f"; {script.name} writes something else in place of {word}",
+        "nothing if only what the script writes is loaded",
+    )
+
+
+def _get_first_part(gap: _MissingFiles) -> str:
+    """Return the first part of the paths: the missing folder's name, or that of the file."""
+    return (gap.folder or gap.path).name
+
+
+def _describe_placeholder(gap: _MissingFiles) -> str:
+    """Say what is to be written in place of a placeholder that looks like one; empty for other paths."""
+    word = _get_first_part(gap)
+    are_relative = all(use.resource.kind == "relative" for use in gap.uses)
+    if gap.folder is None or not are_relative or _PATH_PLACEHOLDER.fullmatch(word) is None:
+        return ""
+    return f"write the folder of the meshes in place of {word}"
 
 
 def _propose_edits(outside: Mapping[ResourceUse, Path], source: Source) -> list[Edit]:

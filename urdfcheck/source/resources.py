@@ -230,7 +230,8 @@ def format_path_from_model(path: Path, source: Source) -> str:
 def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[str, str]:
     """Describe what MuJoCo, yourdfpy, Bullet and MoveIt do with meshes that are not where their paths lead.
 
-    Bullet drops the scheme and tries each path in every folder above the model (checked with PyBullet 3.2.7).
+    Bullet drops the scheme and tries each path in every folder above the model (checked with PyBullet 3.2.7), and Pinocchio in
+    each of package_dirs (checked with Pinocchio 4.1).
     """
     missing = list(uses)
     parts = [use.attribute.owner for use in missing]
@@ -238,7 +239,11 @@ def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[s
     if all(is_found_by_mujoco(use.resource.text, source) for use in missing):
         told["mujoco"] = "loads it: its <compiler> says where the files are"
     if all(find_above(use, source) for use in missing):
-        return told | {"bullet": "loads it: it tries the paths in every folder above the model"}
+        return told | {
+            "bullet": "loads it: it tries the paths in every folder above the model",
+            "pinocchio": "refuses the geometry of the whole robot (ValueError), unless the folder that the paths start from is in "
+            "package_dirs",
+        }
     if _is_only_folder_in_reach(source) and all(use.resource.kind in {"package", "relative"} for use in missing):
         return told | {"bullet": "loads it if a folder above has the files, otherwise refuses it"}
     return told

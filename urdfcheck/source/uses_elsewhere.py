@@ -44,6 +44,8 @@ from urdfcheck.system.files import read_regular, read_text_or_nothing, walk
 # Files that a xacro file can include. Larger ones are expanded models or data, in which expressions are not written.
 _INCLUDED_SUFFIXES = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
 _MAX_BYTES = 500_000
+# What authors put where a script, or a person, is to write something.
+_PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]{3,}(?:_[A-Z0-9]+)*|__\w+__|@\w+@|\{[^{}]+\}|%\(?\w+\)?s|<[^<>]+>")
 _SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
 # Files that hand arguments to a xacro file: launch files, tests and build files.
 _CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
@@ -322,6 +324,23 @@ def find_deploying_script(source: Source) -> Path | None:
         return None
     own = compile_names((source.path.name,))
     return next((path for path, text in _iter_project_files(source, _SCRIPT_SUFFIXES) if own.search(text)), None)
+
+
+@lru_cache(maxsize=8)  # a model has few such words
+def find_filling_script(source: Source, word: str) -> Path | None:
+    """Return a script of the project that puts another text in place of a ``word`` in capitals or brackets, as in a template.
+
+    A name in small letters may be that of a folder, which a script moves.
+    """
+    if _PLACEHOLDER.fullmatch(word) is None:
+        return None
+    filling = re.compile(
+        rf"""(?:\b(?:replace|sub)\(\s*|\bstrrep\([^,\n]{{1,80}},\s*)[rbf]?["'][^"'\n]{{0,40}}(?<!\w){re.escape(word)}(?!\w)"""
+        rf"""|\bs([/@|#,!])[^\n]{{0,40}}(?<!\w){re.escape(word)}(?!\w)"""
+    )
+    return next(
+        (path for path, text in _iter_project_files(source, (*_SCRIPT_SUFFIXES, ".m")) if filling.search(text)), None
+    )
 
 
 def find_used_copy(source: Source) -> Path | None:
