@@ -178,8 +178,7 @@ def _build_finding(
     if kind == "expansion" and clone is None:
         skipping = find_skipping_argument(source, at)
         repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
-    if filling is not None:
-        repair = f"nothing if only what the script writes is loaded; else {repair}"
+    repair = f"nothing if only what the script writes is loaded; else {repair}" if filling is not None else repair
     if message == "files-gazebo":
         repair = _describe_others(package, own, source)
     finding = rule.finding(

@@ -120,9 +120,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             what=what,
         )
     found_by_gazebo: set[ResourceUse] = set()
-    for uses, place in _list_uses_on_gazebo_path((use for use, _ in missing), source):
+    for uses, gazebo in _list_uses_on_gazebo_path((use for use, _ in missing), source):
         found_by_gazebo.update(uses)
-        yield _build_gazebo_finding(uses, place, rule, source)
+        yield _build_gazebo_finding(uses, gazebo, rule, source)
     missing = [(use, path) for use, path in missing if use not in found_by_gazebo]
     if not missing:
         return
@@ -154,7 +154,9 @@ def _list_uses_on_gazebo_path(
         name = use.resource.package or ""
         path = f"{name}/{get_path_in_package(use.resource.text, name)}"
         by_package.setdefault(name, {}).setdefault(path, []).append(use)
-    for named in by_package.values() if source.package is not None else ():
+    if source.package is None:
+        return
+    for named in by_package.values():
         found = select_on_gazebo_path(source.package.path, iter_user_texts(source), list(named))
         if found is not None:
             place, paths = found

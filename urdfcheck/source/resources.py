@@ -241,8 +241,8 @@ def describe_missing_uses(uses: Iterable[ResourceUse], source: Source) -> dict[s
     if all(find_above(use, source) for use in missing):
         return told | {
             "bullet": "loads it: it tries the paths in every folder above the model",
-            "pinocchio": "refuses the geometry of the whole robot (ValueError), unless the folder that the paths start from is in "
-            "package_dirs",
+            "pinocchio": "refuses the geometry of the whole robot (ValueError), unless package_dirs have the folder that the "
+            "paths start from",
         }
     if _is_only_folder_in_reach(source) and all(use.resource.kind in {"package", "relative"} for use in missing):
         return told | {"bullet": "loads it if a folder above has the files, otherwise refuses it"}
