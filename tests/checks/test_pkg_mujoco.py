@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from builders import find
 
+from urdfcheck.core import Severity
+
 mujoco = pytest.importorskip("mujoco")
 
 TETRAHEDRON = "v 0 0 0\nv {0} 0 0\nv 0 {0} 0\nv 0 0 {0}\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n"
@@ -115,6 +117,9 @@ def test_what_mujoco_finds_by_its_options_is_missing_for_the_others_only(tmp_pat
     assert len(load_mesh_sizes(tmp_path, file, before=before)) == 1
     (finding,) = find(tmp_path, (tmp_path / "hand.urdf").read_text(encoding="utf-8"), "PKG002", name="hand.urdf")
     assert finding.consequences["mujoco"] == "loads it: its <compiler> says where the files are"
+    assert finding.consequences["pinocchio"].startswith("refuses")
+    assert finding.message_id == ("folder" if "/" in file else "mujoco-path")
+    assert finding.severity is (Severity.ERROR if "/" in file else Severity.WARNING)
 
 
 @pytest.mark.parametrize("options", ['meshdir="left"', ""])

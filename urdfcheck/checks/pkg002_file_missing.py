@@ -52,7 +52,12 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, select_on_gazebo_path
-from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
+from urdfcheck.source.ros.mujoco_paths import (
+    describe_mujoco_path,
+    find_for_mujoco,
+    is_found_by_mujoco,
+    takes_only_names,
+)
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
@@ -119,11 +124,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             path=format_path(place),
             what=what,
         )
-    found_by_gazebo: set[ResourceUse] = set()
+    found_by_one = {use for use, _ in missing if _is_for_mujoco(use, source)}
+    if found_by_one:
+        yield _build_mujoco_finding([use for use, _ in missing if use in found_by_one], rule, source)
     for uses, gazebo in _list_uses_on_gazebo_path((use for use, _ in missing), source):
-        found_by_gazebo.update(uses)
+        found_by_one.update(uses)
         yield _build_gazebo_finding(uses, gazebo, rule, source)
-    missing = [(use, path) for use, path in missing if use not in found_by_gazebo]
+    missing = [(use, path) for use, path in missing if use not in found_by_one]
     if not missing:
         return
     index = index_files({find_search_root(use, source) for use, _ in missing})
@@ -140,6 +147,36 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     moved = find_moved_files({normalise_path(path) for _, path in missing}, index)
     for gap in _group_missing_files(missing):
         yield _build_finding(gap, index, rule, source, moved=moved)
+
+
+def _is_for_mujoco(use: ResourceUse, source: Source) -> bool:
+    """Whether a path is typed for MuJoCo, which finds it in the folder of its <compiler>: a path that begins with another folder
+    than that, or with a package, is for other programs too."""
+    strips = source.root is not None and takes_only_names(source.root)
+    is_plain = use.resource.kind == "relative" and not (strips and "/" in use.resource.text)
+    return is_plain and is_found_by_mujoco(use.resource.text, source)
+
+
+def _build_mujoco_finding(uses: list[ResourceUse], rule: Rule, source: Source) -> Finding:
+    """Report all files that only MuJoCo finds, by its own options."""
+    files = {use.resource.text: find_for_mujoco(use.resource.text, source) for use in uses}
+    first = next(iter(files.values()))
+    folder = format_path_from_model(first.parent, source)
+    own = format_path_from_model(first, source)
+    return rule.finding(
+        "mujoco-path",
+        at=uses[0],
+        related={use.attribute.span: use for use in uses if use.attribute.span != uses[0].attribute.span}.values(),
+        severity=Severity.WARNING,
+        consequences=describe_missing_uses(uses, source),
+        lost=name_lost_shapes(use.attribute.owner for use in uses),
+        files=list(files),
+        amount=format_count(len(files), "mesh file"),
+        listed=join_names(list(files), 4),
+        folder=folder,
+        repair=f"write `{own}`{'' if len(files) == 1 else ', and the others likewise'}"
+        f"{describe_mujoco_path(files.values(), source)}",
+    )
 
 
 def _list_uses_on_gazebo_path(

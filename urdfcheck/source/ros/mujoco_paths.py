@@ -18,12 +18,18 @@ def takes_only_names(robot: Element) -> bool:
 
 def is_found_by_mujoco(text: str, source: Source) -> bool:
     """Whether MuJoCo opens a file for this path only because of its options (checked with MuJoCo 4.0)."""
-    name, folder, strips = _read_options(source)
+    name, _, strips = _read_options(source)
     if not name and not strips:
         return False
-    path = folder / (text.replace("\\", "/").rpartition("/")[2] if strips else text)
+    path = find_for_mujoco(text, source)
     # os.path, because pathlib raises if a name is too long.
     return source.finder.can_open(path) and os.path.isfile(path)
+
+
+def find_for_mujoco(text: str, source: Source) -> Path:
+    """Return the file that MuJoCo opens for a path."""
+    _, folder, strips = _read_options(source)
+    return folder / (text.replace("\\", "/").rpartition("/")[2] if strips else text)
 
 
 def describe_mujoco_path(files: Iterable[Path], source: Source) -> str:
