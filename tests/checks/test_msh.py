@@ -410,6 +410,27 @@ def test_files_are_fetched_from_the_repository_that_keeps_them(
     assert ("if they stay pointers" in finding.fix.title) == ("stay" in repair)
 
 
+@pytest.mark.parametrize(
+    ("settings", "command"),
+    [
+        ("[lfs]\n\tfetchexclude = *\n", '`git lfs pull --include="*" --exclude=""`'),
+        ("[lfs]\n\tfetchinclude = *.png\n", '`git lfs pull --include="*" --exclude=""`'),
+        ("[lfs]\n\turl = https://a.example/fetchexclude = b\n", "`git lfs pull`"),
+        ("[lfs]\n\t# fetchexclude = *\n", "`git lfs pull`"),
+    ],
+)
+def test_files_that_the_settings_leave_out_are_fetched_by_a_command_that_overrides_them(
+    tmp_path: Path, settings: str, command: str
+) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / ".gitattributes").write_text("*.stl filter=lfs\n")
+    (tmp_path / ".lfsconfig").write_text(settings)
+    (tmp_path / "a.stl").write_bytes(POINTER)
+    (finding,) = find_in_mesh(tmp_path, "PKG009", "", shape("visual", "a.stl"))
+    assert finding.fix is not None
+    assert command in finding.fix.title
+
+
 def test_a_pointer_is_not_called_unreadable_as_well(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH001", POINTER, shape("visual"))
 

@@ -22,6 +22,8 @@ _SIZE = re.compile(rb"^size (\d+)$", re.MULTILINE)
 _MAX_POINTER_BYTES = 1024
 # What tells git to fetch files from LFS, and how much of the file that says it is read.
 _TRACKED, _MAX_ATTRIBUTE_BYTES = "filter=lfs", 65_536
+# What a plain `git lfs pull` fetches, in a file of settings.
+_FETCHED = re.compile(rb"^[ \t]*fetch(?:ex|in)clude[ \t]*=", re.MULTILINE | re.IGNORECASE)
 # Only a file below the root of the clone says so, perhaps in a copy of another repository, or none of its patterns fits.
 _DOUBTFUL = "doubtful"
 
@@ -65,12 +67,23 @@ def _describe_repair(repository: Path | None, tracked: str) -> str:
     if tracked == "copy":
         return "copy the mesh itself from the repository that has it"
     where = "a clone of the repository" if repository is None else format_path(repository)
-    pull = f"run `git lfs install`, then `git lfs pull`, in {where}"
+    options = ' --include="*" --exclude=""' if repository is not None and _leaves_files_out(repository) else ""
+    pull = f"run `git lfs install`, then `git lfs pull{options}`, in {where}"
+    pull += ": its .lfsconfig leaves files out of a plain pull" if options else ""
     return (
         f"{pull}; if they stay pointers, copy the meshes from the repository that has them"
         if tracked == _DOUBTFUL
         else pull
     )
+
+
+def _leaves_files_out(repository: Path) -> bool:
+    """Whether the settings of a repository for LFS say which files are fetched, or not."""
+    settings = repository / ".lfsconfig"
+    try:
+        return settings.exists() and _FETCHED.search(read_start(settings, _MAX_ATTRIBUTE_BYTES)) is not None
+    except OSError:
+        return False
 
 
 def _read_pointer_size(path: Path) -> int | None:
