@@ -12,7 +12,6 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
-from urdfcheck.source.gazebo_uses import is_lost_to_others, names_gazebo_model
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
@@ -31,6 +30,7 @@ from urdfcheck.source.resources import (
     is_misspelt,
     is_released_elsewhere,
     list_resource_uses,
+    names_gazebo_model,
 )
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, find_gazebo_folder
@@ -44,6 +44,7 @@ from urdfcheck.source.uses_elsewhere import (
     find_deploying_script,
     find_filling_script,
     is_certainly_left_aside,
+    is_lost_to_others,
     is_unused,
     iter_user_texts,
 )
@@ -158,7 +159,7 @@ def _build_finding(
     is_outside = message == "nameless" and here and source.package is None
     # Its other programs lack what nothing else of the link stands for.
     is_model = message == "files-gazebo" and source.package is not None and is_used
-    is_outside = is_outside or ((message == "files-path" or is_model) and is_lost_to_others(uses, source))
+    is_outside = is_outside or ((message == "files-path" or is_model) and _is_lost_to_others(uses, source))
     related = list(related)
     named_by, places = _explain_by_argument(source, package, uses, related)
     # A package may be meant by its name and lack the files all the same.
@@ -246,6 +247,10 @@ def _describe_others(package: str, own: Sequence[str], source: Source) -> str:
         return f"other programs need a package {package}"
     likewise = ", and the others likewise" if len(own) > 1 else ""
     return f"for other programs, write `package://{source.package.name}/{own[0]}`{likewise}"
+
+
+def _is_lost_to_others(uses: Iterable[ResourceUse], source: Source) -> bool:
+    return is_lost_to_others({use.attribute.owner for use in uses}, source)
 
 
 def _find_folder_on_path(source: Source, package: str, files: Sequence[str]) -> GazeboFolder | None:

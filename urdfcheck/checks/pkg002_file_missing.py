@@ -12,7 +12,6 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
-from urdfcheck.source.gazebo_uses import is_lost_to_others, names_gazebo_model
 from urdfcheck.source.launch.built_files import find_making_build, is_git_ignored
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -49,6 +48,7 @@ from urdfcheck.source.resources import (
     get_path_in_package,
     is_misspelt,
     list_resource_uses,
+    names_gazebo_model,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, select_on_gazebo_path
@@ -61,7 +61,12 @@ from urdfcheck.source.ros.mujoco_paths import (
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
-from urdfcheck.source.uses_elsewhere import explain_kept_file, find_filling_script, iter_user_texts
+from urdfcheck.source.uses_elsewhere import (
+    explain_kept_file,
+    find_filling_script,
+    is_lost_to_others,
+    iter_user_texts,
+)
 
 _REPAIRS = {
     "file": "correct the path, or add the file",
@@ -209,7 +214,9 @@ def _build_gazebo_finding(uses: list[ResourceUse], place: GazeboFolder, rule: Ru
         "gazebo-path",
         at=uses[0],
         related={use.attribute.span: use for use in uses if use.attribute.span != uses[0].attribute.span}.values(),
-        severity=Severity.WARNING if is_lost_to_others(uses, source) else Severity.INFO,
+        severity=Severity.WARNING
+        if is_lost_to_others({use.attribute.owner for use in uses}, source)
+        else Severity.INFO,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
         folder=format_path(place.folder),
         setter=place.file.name,

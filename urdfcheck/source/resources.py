@@ -59,6 +59,11 @@ def list_resource_uses(source: Source) -> tuple[ResourceUse, ...]:
     return tuple(ResourceUse(a, source.finder.resolve_resource(a.value, base)) for a in filenames)
 
 
+def names_gazebo_model(use: ResourceUse) -> bool:
+    """Whether a path starts at a model of Gazebo, which is not a package of ROS."""
+    return use.resource.text.lower().startswith("model://")
+
+
 def normalize_spelling(text: str) -> str:
     """Return the portable spelling of a path: forward slashes, two of them after the scheme, no blanks around it."""
     plain = text.strip().replace("\\", "/")

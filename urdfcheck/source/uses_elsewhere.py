@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from dataclasses import field, replace
 from functools import lru_cache
 from pathlib import Path, PureWindowsPath
@@ -29,7 +29,7 @@ from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
-from urdfcheck.source.text.xml import COMMENT, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_have_name
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -44,6 +44,8 @@ from urdfcheck.system.files import read_regular, read_text_or_nothing, walk
 # Files that a xacro file can include. Larger ones are expanded models or data, in which expressions are not written.
 _INCLUDED_SUFFIXES = frozenset({".xacro", ".urdf", ".xml", ".gazebo", ".srdf"})
 _MAX_BYTES = 500_000
+# Programs that do not read `model://`.
+_OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 # What authors put where a script, or a person, is to write something.
 _PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]{3,}(?:_[A-Z0-9]+)*|__\w+__|@\w+@|\{[^{}]+\}|%\(?\w+\)?s|<[^<>]+>")
 _SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
@@ -237,6 +239,27 @@ def read_project_texts(source: Source) -> Iterator[str]:
     """Yield the texts of the model's package and of those that depend on it; without a package, those beside the model."""
     for _, text in iter_user_texts(source):
         yield text
+
+
+def is_lost_to_others(own: Collection[Element], source: Source) -> bool:
+    """Whether a program that does not read ``model://`` is named in the project, and finds no other shape in place of one of
+    these elements (``own``), which have such paths."""
+    shapes = map(_find_shape, own)
+    lacking = any(
+        shape is not None
+        and shape.parent is not None
+        and all(any(part in own for part in other.walk()) for other in shape.parent.find_children(shape.tag))
+        for shape in shapes
+    )
+    return lacking and any(map(_OTHER_READERS.search, read_project_texts(source)))
+
+
+def _find_shape(element: Element) -> Element | None:
+    """Return the visual or collision that an element is in."""
+    above: Element | None = element
+    while above is not None and above.tag not in {"visual", "collision"}:
+        above = above.parent
+    return above
 
 
 def iter_user_texts(source: Source) -> Iterator[tuple[Path, str]]:
