@@ -1277,3 +1277,115 @@ def test_a_default_that_the_including_launch_file_replaces_is_judged_there(
     names = [name for name in files if name.endswith(("sensors.launch", "all.launch"))]
     told = {name: [f.message_id for f in find(tmp_path, files, "LCH001", name=name)] for name in names}
     assert {name: messages[0] for name, messages in told.items() if messages} == found
+
+
+@pytest.mark.parametrize(
+    ("inner", "files", "found"),
+    [
+        (
+            '<arg name="robot" default="arm"/><arg name="file" default="$(find car)/$(arg robot).launch"/>'
+            '<include file="$(arg file)"/>',
+            {
+                "all.launch": '<include file="$(find car)/launch/inner.launch"><arg name="robot" value="car"/></include>',
+            },
+            "include-default",
+        ),
+        (
+            '<arg name="robot" default="arm"/><param name="robot_description" textfile="$(find car)/urdf/$(arg robot).urdf"/>',
+            {"inner.test": '<include file="$(find car)/launch/inner.launch"><arg name="robot" value="car"/></include>'},
+            "file-default",
+        ),
+        (
+            '<arg name="robot" default="arm"/><include file="$(find car)/launch/show.launch">'
+            '<arg name="file" value="$(find car)/urdf/$(arg robot).urdf"/></include>',
+            {
+                "show.launch": '<arg name="file"/><param name="robot_description" textfile="$(arg file)"/>',
+                "all.launch": '<include file="$(find car)/launch/inner.launch"><arg name="robot" value="car"/></include>',
+            },
+            "file-default",
+        ),
+        (  # what is passed decides a value of the model, not the file
+            '<arg name="robot" default="arm"/>'
+            '<param name="robot_description" command="xacro $(find car)/urdf/arm.xacro name:=$(arg robot)"/>',
+            {
+                "all.launch": '<include file="$(find car)/launch/inner.launch"><arg name="robot" value="car"/></include>',
+            },
+            "file",
+        ),
+    ],
+    ids=["in another argument", "by a test", "in what it passes on", "beside the path"],
+)
+def test_a_default_that_decides_a_path_indirectly_may_be_replaced_too(
+    tmp_path: Path, inner: str, files: dict[str, str], found: str
+) -> None:
+    texts = {f"launch/{name}": f"<launch>{body}</launch>" for name, body in {"inner.launch": inner, **files}.items()}
+    texts |= {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/car.urdf": "<robot name='car'><link name='a'/></robot>",
+    }
+    (finding,) = find(tmp_path, texts, "LCH001", name="launch/inner.launch")
+    assert finding.message_id == found
+
+
+@pytest.mark.parametrize(
+    ("including", "is_given"),
+    [
+        (
+            '<arg name="robot" default="car"/><include file="$(find car)/launch/inner.launch" pass_all_args="true"/>',
+            True,
+        ),
+        ('<arg name="robot" default="car"/><include file="$(find car)/launch/inner.launch"/>', False),
+        ('<include file="$(find car)/launch/inner.launch"><arg name="robot" value="car"/></include>', False),
+        ('<include file="$(find car)/launch/inner.launch" pass_all_args="true"/>', False),
+    ],
+    ids=["all are passed", "none is passed", "roslaunch refuses it", "none of this name"],
+)
+def test_roslaunch_finds_an_argument_that_is_not_declared_where_all_are_passed(
+    tmp_path: Path, including: str, is_given: bool
+) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/inner.launch": '<launch><include file="$(find car)/launch/$(arg robot).launch"/>'
+        '<param name="robot_description" textfile="$(find car)/urdf/$(arg robot).urdf"/></launch>',
+        "launch/all.launch": f"<launch>{including}</launch>",
+    }
+    found = find(tmp_path, files, "LCH001", name="launch/inner.launch")
+    assert [f.message_id for f in found] == (["unknown"] if is_given else ["argument", "include-argument"])
+
+
+_PYTHON_INCLUDE = """
+def generate_launch_description():
+    file = PathJoinSubstitution([FindPackageShare({package!r}), "launch", "inner.launch.xml"])
+    return LaunchDescription([IncludeLaunchDescription(file, launch_arguments={{"robot": "car"}}.items())])
+"""
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "is_given"),
+    [
+        ("all.launch.py", _PYTHON_INCLUDE.format(package="car"), True),
+        ("all.py", _PYTHON_INCLUDE.format(package="car"), True),
+        ("all.launch.py", _PYTHON_INCLUDE.format(package="car").replace('"robot"', '"model"'), False),
+        (
+            "all.launch.xml",
+            '<launch><let name="robot" value="car"/><include file="$(find-pkg-share car)/launch/inner.launch.xml"/></launch>',
+            True,
+        ),
+    ],
+    ids=["Python", "Python of any name", "another argument", "XML"],
+)
+@pytest.mark.parametrize(
+    ("declared", "without", "given"),
+    [("", "include-argument", []), ('<arg name="robot" default="arm"/>', "include-file", ["include-default"])],
+)
+def test_a_launch_file_of_ros2_has_the_arguments_of_those_that_include_it(
+    tmp_path: Path, name: str, text: str, is_given: bool, declared: str, without: str, given: list[str]
+) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/inner.launch.xml": f"<launch>{declared}"
+        '<include file="$(find-pkg-share car)/launch/$(var robot).launch.xml"/></launch>',
+        f"launch/{name}": text,
+    }
+    found = find(tmp_path, files, "LCH001", name="launch/inner.launch.xml")
+    assert [f.message_id for f in found] == (given if is_given else [without])

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import re
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -24,7 +24,7 @@ from urdfcheck.source.launch.around.meant_files import (
     may_be_declared,
     takes_arguments,
 )
-from urdfcheck.source.launch.around.passing_files import find_passing_files
+from urdfcheck.source.launch.around.passing_files import find_inheriting_files, find_passing_files
 from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
@@ -35,7 +35,7 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
-from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES, SRDF_SUFFIXES
+from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES, is_launch
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -56,7 +56,7 @@ _SRDF = "SRDF"
 # What means the same whatever the arguments are.
 _OTHER = re.compile(r"\$\((?:find|find-pkg-share|dirname)\b[^()$]*\)")
 _SUBSTITUTION = re.compile(r"\$\([^()]*\)")
-_READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
+_READ = re.compile(r"\$\((?:arg|var)\s+([^\s()]+)\s*\)")
 _BEHIND_PACKAGE = re.compile(r"\)/([^\s$\"'(){}]+)$")
 
 
@@ -134,13 +134,14 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
             return is_possible and takes_arguments(path, include, launch.finder, is_ros2=is_ros2)
 
         beside = _describe_neighbours(name, launch.finder, is_right)
-        replaced = _find_replaced_default(launch, at)
+        replaced = _find_replaced_default(launch, at, at.value)
         yield rule.finding(f"include-{'default' if replaced else 'file'}", at=at, path=name, **beside, **replaced)
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
         names = [argument.get("name") for argument in list_declared_arguments(_find_root(at.owner))]
-        if not may_be_declared(name, names):  # one without a default gets its value at launch
+        # One without a default gets its value at launch.
+        if not may_be_declared(name, names) and _find_giver(launch, at, name) is None:
             near = format_name_hint(name, names)
             yield rule.finding(
                 "include-argument",
@@ -152,21 +153,54 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
             )
 
 
-def _find_replaced_default(launch: Launch, path: Attribute) -> dict[str, Any]:
-    """Return an argument of a launch file in whose path another one that includes it puts a value, with that file; else
-    nothing.
+def _find_replaced_default(launch: Launch, path: Attribute, typed: str) -> dict[str, Any]:
+    """Return an argument of a launch file that decides a path and to which another one that includes it passes a value, with that
+    file; else nothing.
 
     What the other one passes is judged where it is launched itself.
+
+    :param typed: the path as it is typed, which may be a part of the attribute.
     """
-    if path.span is None or path.span.file != launch.name:
-        return {}
     declared = {argument.get("name") for argument in launch.arguments if "default" in argument.attributes}
-    for argument in _READ.findall(path.value):
-        callers = find_passing_files(launch, argument) if argument in declared else []
-        others = [caller for caller in callers if _may_include(caller, launch)]
-        if others:
-            return {"argument": argument, "caller": others[0].name, "severity": Severity.INFO}
+    for argument in _list_deciding_arguments(launch, path, typed):
+        if argument in declared:
+            callers = [*find_passing_files(launch, argument), *find_inheriting_files(launch, argument)]
+            others = [caller for caller in callers if _may_include(caller, launch)]
+            if others:
+                return {"argument": argument, "caller": others[0].name, "severity": Severity.INFO}
     return {}
+
+
+def _list_deciding_arguments(launch: Launch, path: Attribute, typed: str) -> list[str]:
+    """Return the arguments of a launch file on which a path depends: it may be that of an included file, and their values may be
+    parts of other arguments."""
+    scopes = [(None, launch.scope), *launch.scopes.items()]
+    places = {scope.root: (include, scope.resolver.values) for include, scope in scopes if scope is not None}
+    own = [path.owner.get("name")] if path.owner.tag in {"arg", "let"} and path.owner.parent is not None else []
+    root = _find_root(path.owner)
+    pending = [(root, name) for name in (*own, *_READ.findall(typed))]
+    seen = dict.fromkeys(pending)
+    while pending:
+        root, name = pending.pop()
+        include, values = places.get(root, (None, {}))
+        if name in values:
+            values_read = [(root, other) for other in _READ.findall(values[name].value)]
+        elif include is not None:  # passed to the included file: typed there, or with all
+            passed = [child.get("value") for child in include.children if child.get("name") == name]
+            around = _find_root(include)
+            values_read = [(around, other) for text in passed or [f"$(arg {name})"] for other in _READ.findall(text)]
+        else:
+            values_read = []
+        pending += [value for value in values_read if value not in seen]
+        seen.update(dict.fromkeys(values_read))
+    return [name for root, name in seen if launch.scope is not None and root is launch.scope.root]
+
+
+def _find_giver(launch: Launch, at: Attribute, argument: str) -> Path | None:
+    """Return a launch file with which this one has an argument that it does not declare."""
+    if at.span is None or at.span.file != launch.name:
+        return None
+    return next((file for file in find_inheriting_files(launch, argument) if _may_include(file, launch)), None)
 
 
 def _may_include(caller: Path, launch: Launch) -> bool:
@@ -176,7 +210,8 @@ def _may_include(caller: Path, launch: Launch) -> bool:
         return False
     if own is None or (package is not None and package.path == own.path):
         return True
-    named = re.compile(rf"\bfind(?:-pkg-share)?\s+{re.escape(own.name)}\s*\)")
+    name = re.escape(own.name)
+    named = re.compile(rf"\bfind(?:-pkg-share)?\s+{name}\s*\)|[\"']{name}[\"']")
     return named.search(read_text_or_nothing(caller)) is not None
 
 
@@ -233,14 +268,7 @@ def _check_description(
                 repair=checkout or "install the package, or run urdfcheck on the model file",
             )
     elif obstacle.kind == "argument":
-        names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
-        if not may_be_declared(obstacle.name, names):
-            near = format_name_hint(obstacle.name, names)
-            yield rule.finding("argument", at=at, file=description.file, argument=obstacle.name, near=near)
-        elif not is_included_by_sibling(
-            path
-        ):  # one without a default gets its value at launch, or from that other file
-            yield build_unknown(f"argument {obstacle.name!r} has no default")
+        yield from _check_argument(launch, rule, description, obstacle.name, at, build_unknown)
     elif obstacle.kind == "empty":  # like an argument without a default
         if not is_included_by_sibling(path):
             yield build_unknown(f"argument {obstacle.name!r} is empty")
@@ -251,13 +279,37 @@ def _check_description(
     elif obstacle.kind == "file":
         is_right = partial(makes_robot, finder=launch.finder)
         beside = _describe_neighbours(obstacle.name, launch.finder, is_right, is_expanded=description.uses_xacro)
-        replaced = _find_replaced_default(launch, description.at)
+        replaced = _find_replaced_default(launch, description.at, description.file)
         yield rule.finding("file-default" if replaced else "file", at=at, path=obstacle.name, **beside, **replaced)
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
+    elif obstacle.kind == "written":
+        yield build_unknown(f"{obstacle.name} is written on the robot's computer")
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
         yield build_unknown(f"computed by `{typed}`")
+
+
+def _check_argument(
+    launch: Launch,
+    rule: Rule,
+    description: DescriptionSource,
+    name: str,
+    at: Location,
+    build_unknown: Callable[[str], Finding],
+) -> Iterator[Finding]:
+    """Report an argument without a value in what a launch file loads."""
+    names = [argument.get("name") for argument in list_declared_arguments(_find_root(description.at.owner))]
+    if may_be_declared(name, names):  # one without a default gets its value at launch, or from another file
+        if not is_included_by_sibling(_find_launch_file(description, launch)):
+            yield build_unknown(f"argument {name!r} has no default")
+        return
+    giver = _find_giver(launch, description.at, name)
+    if giver is not None:
+        yield build_unknown(f"{giver.name} passes argument {name!r}")
+    else:
+        near = format_name_hint(name, names)
+        yield rule.finding("argument", at=at, file=description.file, argument=name, near=near)
 
 
 def _has_own_model(package: Package) -> bool:
@@ -418,6 +470,15 @@ def _describe_neighbours(
 
 
 def _describe_version(path: Path, finder: PackageFinder) -> str:
-    """Say that another version of the package that lacks a file may have it, where it is not the launch file's own project."""
-    package = finder.find_foreign_package(normalise_path(path.absolute()))
-    return "" if package is None else f", get the version of {package.name} that has the file"
+    """Say that another version of the package that lacks a file may have it, where it is not the launch file's own project, or
+    that the package may have more elsewhere, where it has no file of the kind here."""
+    place = normalise_path(path.absolute())
+    foreign = finder.find_foreign_package(place)
+    if foreign is not None:
+        return f", get the version of {foreign.name} that has the file"
+    package, own = finder.find_package_of(place), finder.find_package_of(finder.start.absolute() / "package.xml")
+    if package is None or (own is not None and package.path == own.path):
+        return ""
+    suffixes = LAUNCH_SUFFIXES if is_launch(path) else MODEL_SUFFIXES
+    has_any = any(name.endswith(suffixes) for name in index_files([package.path]))
+    return "" if has_any else f", get all of {package.name} if the folder here is a placeholder or a part of it"

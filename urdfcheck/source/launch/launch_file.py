@@ -159,6 +159,8 @@ class Launch:
         return [] if self.root is None else list_declared_arguments(self.root)
 
 
+# The folders of the system in which programs and the setup of a robot's computer write files.
+_WRITTEN_FOLDERS = frozenset({"dev", "etc", "run", "tmp", "var"})
 # What only launch files of ROS 1 have.
 _ROS1_TEXT = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
 
@@ -491,6 +493,8 @@ def _make_description(
             unresolved = UnresolvedReason("empty", empty)
         elif allowed or not path.is_absolute():
             unresolved = UnresolvedReason("file", format_path(path))
+        elif path.parts[1:2] and path.parts[1] in _WRITTEN_FOLDERS:
+            unresolved = UnresolvedReason("written", path.as_posix())
         path = path if unresolved is None else None
     return DescriptionSource(
         at=at, words=words, file=file, path=path, arguments=dict(arguments or {}), unresolved=unresolved

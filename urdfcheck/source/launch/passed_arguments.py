@@ -160,17 +160,20 @@ def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Locatio
     return found
 
 
-def iter_launch_files(folder: Path, finder: PackageFinder, *, with_unnamed: bool = False) -> Iterator[Path]:
+def iter_launch_files(
+    folder: Path, finder: PackageFinder, *, with_unnamed: bool = False, also: tuple[str, ...] = ()
+) -> Iterator[Path]:
     """Yield the launch files below a folder, in the order of their paths.
 
-    ``with_unnamed``: also the Python files in folders named launch, whatever their own names.
+    ``with_unnamed``: also the Python files in folders named launch, whatever their own names; ``also``: more suffixes.
     """
     files: list[Path] = []
     for place, names, inside in itertools.islice(walk(folder), MOST_FOLDERS):
         names[:] = [n for n in names if not n.startswith(".") and n not in SKIPPED_FOLDERS]
         suffix = ".py" if with_unnamed and Path(place).name == "launch" else None
         paths = (Path(place, name) for name in inside)
-        files += [path for path in paths if (is_launch(path) or path.suffix == suffix) and finder.can_open(path)]
+        suffixes = {suffix, *also}
+        files += [path for path in paths if (is_launch(path) or path.suffix in suffixes) and finder.can_open(path)]
     yield from sorted(files)
 
 

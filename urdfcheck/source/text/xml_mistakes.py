@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Sequence
 from typing import Any
@@ -33,6 +34,15 @@ _PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)*)>([^\n<]*)")
 _HALF_COMMENTED = re.compile(r"""<!--([A-Za-z_][\w:.-]*)(?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*\s*>""")
 # An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
+# The line with which git begins a conflict, and the name of a tag that is followed by what cannot follow it.
+_CONFLICT = re.compile(r"^<{7}(?: |$)", re.MULTILINE)
+_TAG_NAME = re.compile(r"[A-Za-z_][\w.:-]*\Z")
+# The roots of files that hold parts of them.
+_WHOLES = {
+    **dict.fromkeys(("link", "joint", "material", "gazebo", "transmission", "ros2_control"), "robot"),
+    **dict.fromkeys(("xacro:include", "xacro:macro", "xacro:property", "xacro:arg"), "robot"),
+    **dict.fromkeys(("node", "param", "rosparam", "include", "group", "arg", "let"), "launch"),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,6 +110,10 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
         return XmlMistake("text may not contain `]]>`", at - 2, at + 1, "write `]]&gt;`")
     if not opened and before.rfind("<") < 0:
         return _describe_text_before_root(text, at, opened)
+    conflict = _CONFLICT.match(text, max(at - 1, 0))
+    if conflict is not None:
+        repair = "keep one of the two sides, and delete the lines `<<<<<<<`, `=======` and `>>>>>>>`"
+        return XmlMistake("a merge conflict is not resolved", conflict.start(), conflict.start() + 7, repair)
     return _describe_tag(text, at)
 
 
@@ -192,7 +206,21 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
 def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistake | None:
     """Return what is wrong with an attribute outside its quotes."""
     if here == "<":
-        return XmlMistake("the tag before this `<` is not closed", at, at + 1, "close the tag with `>` or `/>`")
+        repair = (
+            f"write `>` behind `<{_shorten(inside.split()[0])}`"
+            if inside[:1] == "/"
+            else "close the tag with `>` or `/>`"
+        )
+        return XmlMistake("the tag before this `<` is not closed", at, at + 1, repair)
+    if here == "=" and _TAG_NAME.match(inside):
+        message = f"the value behind `{_shorten(inside)}` has no attribute: that is the name of the tag"
+        return XmlMistake(message, at, at + 1, "write a blank between the name of the tag and that of its attribute")
+    if inside.endswith("/") and here.strip():
+        if _TAG_NAME.match(inside[:-1]):
+            return XmlMistake("the name of a tag contains `/`", at - 1, at, "correct the name, or delete the tag")
+        return XmlMistake(
+            "a `/` in a tag is not followed by `>`", at - 1, at, "write `/>` if the tag ends here; else delete it"
+        )
     if inside.rstrip().endswith("="):
         name = _shorten(_NAME.findall(inside)[-1]) if _NAME.search(inside) else ""
         found = "has typographic quotes" if here in _TYPOGRAPHIC else "has no quotes"
@@ -271,7 +299,7 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
         message = f"</{typed}> has no open element to close: <{typed}> in line {line} ends with `/>`"
         ways = [
             (f"delete the `/` at the end of the tag in line {line}", text[: empty - 2] + text[empty - 1 :]),
-            (f"delete `</{typed}>`", text[:start] + text[_find_tag_end(text, end) :]),
+            (f"delete `</{typed}>` if it has no content", text[:start] + text[_find_tag_end(text, end) :]),
         ]
         return XmlMistake(message, start, end, _join_ways(text, at, ways))
     if around is None:
@@ -279,10 +307,20 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
         in_place = (f"write `</{inner}>` in its place", f"{text[:start]}</{opened[-1][0]}>{rest}")
         return _describe_surplus_tag(text, at, (start, end), in_place, f"<{inner}>, opened in line {line}")
     message = f"</{typed}> closes <{typed}> of line {around}, but <{inner}>, opened in line {line}, is not closed"
-    repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag"
-    if len(opened) > 1 and opened[-2][0] == opened[-1][0]:
+    inside = list(itertools.takewhile(lambda element: element[0] != name[0], reversed(opened)))[1:]
+    if inside:
+        message += f", nor is <{_shorten(inside[0][0])}> of line {inside[0][1]}"
+    repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag if nothing belongs into it"
+    if len(opened) > 1 and opened[-2][0] == opened[-1][0] and _is_typed_bare(text, *opened[-1]):
         repair = f"write `</{inner}>` for the <{inner}> of line {line} if it ends that of line {opened[-2][1]}; else close it"
     return XmlMistake(message, start, end, repair)
+
+
+def _is_typed_bare(text: str, tag: str, line: int) -> bool:
+    """Whether a start tag of a line has no attributes, as an end tag that lacks its slash."""
+    start = _find_line(text, line)
+    end = text.find("\n", start)
+    return re.search(rf"<{re.escape(tag)}\s*>", text[start : len(text) if end < 0 else end]) is not None
 
 
 def _describe_surplus_tag(
@@ -358,7 +396,10 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
         early = text[:closing] + text[_find_tag_end(text, closing) :]
         if closing >= 0 and _choose_working_repairs(text, at, [("", early)]):
             repair += ", or delete the end tag that closes it too early"
-        if opened and tag[1] == opened[0][0]:
+        whole = _WHOLES.get(opened[0][0]) if opened else None
+        if whole is not None:
+            repair = f"put all elements into one <{whole}>: a file has one root"
+        elif opened and tag[1] == opened[0][0]:
             repair = "delete one of the two if it is a copy; else make them one element: a file has one root"
         return XmlMistake(message, *tag.span(), repair=repair)
     end = text.find("\n", at)
@@ -390,7 +431,10 @@ def _describe_end_of_file(text: str, at: int, opened: list[tuple[str, int]]) -> 
             return XmlMistake("the file has no element", at, at, repair="write its content, or delete the file")
         message = "the file has no element: all of it is in a comment"
         return XmlMistake(
-            message, comment, comment + 4, repair="take its content out of the comment, or delete the file"
+            message,
+            comment,
+            comment + 4,
+            repair="take its content out of the comment, or delete the file and what includes it",
         )
     tag, line = _shorten(opened[-1][0]), opened[-1][1]
     message = f"the file ends before <{tag}>, opened in line {line}, is closed"

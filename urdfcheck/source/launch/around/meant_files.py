@@ -48,6 +48,7 @@ def describe_meant_file(path: str, finder: PackageFinder, is_right: Trial, *, is
         )
     stem = wanted.partition(".")[0]
     namesakes = [name for name in names if name.partition(".")[0] == stem and is_right(folder / name)]
+    namesakes = [name for name in namesakes if name == wanted + _XACRO] or namesakes
     if len(namesakes) == 1 and namesakes[0].endswith(_XACRO) and not (wanted.endswith(_XACRO) or is_expanded):
         return f" (there is {namesakes[0]!r}, which xacro must expand)"
     others = [name for name in names if _get_kind(name) == _get_kind(wanted)]

@@ -1,14 +1,15 @@
 """The launch files that pass an argument to another one in their project: roslaunch refuses an include that passes one which the
-file does not declare."""
+file does not declare, unless it passes all of its own."""
 
 from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
+from urdfcheck.core.records import dataclass
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.passed_arguments import iter_launch_files
 from urdfcheck.source.launch.substitutions import may_become
@@ -20,23 +21,67 @@ from urdfcheck.system.files import read_text_or_nothing
 # So many launch files of a project are read, and so much of each.
 _MOST_LAUNCHES, _MOST_BYTES = 1_000, 500_000
 _INCLUDE = re.compile(r"<include\b([^<>]*[^/<>])>((?:(?!<include\b).)*?)</include>", re.DOTALL)
-_FILE = re.compile(r"\bfile\s*=\s*[\"'](?:\$\(find\s+([^\s()$]+)\s*\))?(?:[^\"'<>]*/)?([^\"'<>/]+)[\"']")
-_PASSED = re.compile(r"<arg\b[^<>]*?\bname\s*=\s*[\"']([^\"'<>]+)[\"']")
+_EMPTY_INCLUDE = re.compile(r"<include\b([^<>]*)/>()")
+_FILE = re.compile(r"\bfile\s*=\s*[\"'](?:\$\(find(?:-pkg-share)?\s+([^\s()$]+)\s*\))?(?:[^\"'<>]*/)?([^\"'<>/]+)[\"']")
+_PASSED = re.compile(r"<(?:arg|let)\b[^<>]*?\bname\s*=\s*[\"']([^\"'<>]+)[\"']")
+_PASSES_ALL = re.compile(r"\bpass_all_args\s*=\s*[\"'](?:true|1)[\"']", re.IGNORECASE)
+# The texts of a program.
+_QUOTED = re.compile(r"[\"']([^\"'\n]+)[\"']")
+# What rostest starts is a launch file too.
+_TEST = ".test"
+
+
+@dataclass(frozen=True, slots=True)
+class _Include:
+    """An include of a launch file in XML."""
+
+    package: str
+    """The package of the file, where it is typed."""
+    file: str
+    passed: frozenset[str]
+    passes_all: bool
+    """Whether it also passes what the file around it has."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Including:
+    """A launch file that includes others."""
+
+    includes: tuple[_Include, ...]
+    names: frozenset[str]
+    """Its own arguments; of a program, all its texts."""
 
 
 def find_passing_files(launch: Launch, argument: str) -> list[Path]:
     """Return the XML launch files of the project whose includes pass an argument to a launch file, by its name, which may be
     computed there."""
-    passing = _read_includes(find_project_folder(launch.path), launch.finder)
+    including = _read_includes(find_project_folder(launch.path), launch.finder)
+    return [path for path, file in including.items() if any(argument in i.passed for i in _list_includes(file, launch))]
+
+
+def find_inheriting_files(launch: Launch, argument: str) -> list[Path]:
+    """Return the launch files of the project with which a launch file has an argument that it need not declare: they pass all of
+    theirs, as those of ROS 2 always do."""
+    including = _read_includes(find_project_folder(launch.path), launch.finder)
+    is_ros2 = launch.dialect == "ros2"
+    found: list[Path] = []
+    for path, file in including.items():
+        if path.suffix == ".py":
+            is_passing = is_ros2 and {argument, launch.path.name} <= file.names
+        else:
+            includes = list(_list_includes(file, launch))
+            is_passing = argument in file.names and any(is_ros2 or include.passes_all for include in includes)
+        if is_passing:
+            found.append(path)
+    return found
+
+
+def _list_includes(file: _Including, launch: Launch) -> Iterator[_Include]:
+    """Yield the includes of a file that may mean a launch file."""
     own, package = launch.path.name, "" if launch.package is None else launch.package.name
-    return [
-        path
-        for path, includes in passing.items()
-        if any(
-            argument in names and may_become(typed, own) and _may_be_package(named, package, launch.finder)
-            for named, typed, names in includes
-        )
-    ]
+    for include in file.includes:
+        if may_become(include.file, own) and _may_be_package(include.package, package, launch.finder):
+            yield include
 
 
 def _may_be_package(named: str, own: str, finder: PackageFinder) -> bool:
@@ -45,14 +90,24 @@ def _may_be_package(named: str, own: str, finder: PackageFinder) -> bool:
 
 
 @lru_cache(maxsize=1)  # a run asks for each launch file of a project
-def _read_includes(folder: Path, finder: PackageFinder) -> Mapping[Path, list[tuple[str, str, frozenset[str]]]]:
-    """Return for each launch file the package, where it is typed, and the file that its includes name, and what they pass."""
-    found: dict[Path, list[tuple[str, str, frozenset[str]]]] = {}
-    files = (path for path in iter_launch_files(folder, finder) if path.suffix != ".py")
+def _read_includes(folder: Path, finder: PackageFinder) -> Mapping[Path, _Including]:
+    """Return for each launch file what its includes name and pass."""
+    found: dict[Path, _Including] = {}
+    files = iter_launch_files(folder, finder, with_unnamed=True, also=(_TEST,))
     for path in itertools.islice(files, _MOST_LAUNCHES):
-        text = COMMENT.sub("", read_text_or_nothing(path, _MOST_BYTES))
-        for attributes, inside in _INCLUDE.findall(text):
+        text = read_text_or_nothing(path, _MOST_BYTES)
+        if path.suffix == ".py":
+            # The name of a file may be typed behind its folder.
+            words = (word for typed in _QUOTED.findall(text) for word in (typed, typed.rpartition("/")[2]))
+            found[path] = _Including((), frozenset(words))
+            continue
+        text = COMMENT.sub("", text)
+        includes: list[_Include] = []
+        for attributes, inside in (*_INCLUDE.findall(text), *_EMPTY_INCLUDE.findall(text)):
             file = _FILE.search(attributes)
             if file is not None:
-                found.setdefault(path, []).append((file[1] or "", file[2], frozenset(_PASSED.findall(inside))))
+                passed, passes_all = frozenset(_PASSED.findall(inside)), _PASSES_ALL.search(attributes) is not None
+                includes.append(_Include(file[1] or "", file[2], passed, passes_all))
+        if includes:
+            found[path] = _Including(tuple(includes), frozenset(_PASSED.findall(text)))
     return found
