@@ -1350,7 +1350,7 @@ def test_roslaunch_finds_an_argument_that_is_not_declared_where_all_are_passed(
         "launch/all.launch": f"<launch>{including}</launch>",
     }
     found = find(tmp_path, files, "LCH001", name="launch/inner.launch")
-    assert [f.message_id for f in found] == (["unknown"] if is_given else ["argument", "include-argument"])
+    assert [f.message_id for f in found] == (["unknown"] if is_given else ["include-argument", "argument"])
 
 
 _PYTHON_INCLUDE = """
@@ -1389,3 +1389,43 @@ def test_a_launch_file_of_ros2_has_the_arguments_of_those_that_include_it(
     }
     found = find(tmp_path, files, "LCH001", name="launch/inner.launch.xml")
     assert [f.message_id for f in found] == (given if is_given else [without])
+
+
+def test_a_model_that_a_program_writes_into_a_folder_of_the_system_is_known_only_at_launch(tmp_path: Path) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/a.launch": '<launch><arg name="world" default="/etc/car/world.xacro"/>'
+        '<param name="robot_description" command="xacro $(arg world)"/></launch>',
+    }
+    found = {
+        f.code: (f.message_id, f.severity) for f in find(tmp_path, files, {"LCH001", "XML001"}, name="launch/a.launch")
+    }
+    assert found["LCH001"] == ("unknown", Severity.INFO)
+    assert "XML001" not in found
+
+
+@pytest.mark.parametrize("has_other", [False, True])
+def test_a_package_without_any_launch_file_may_be_a_placeholder_of_the_whole(tmp_path: Path, has_other: bool) -> None:
+    files = {
+        "car/package.xml": "<package><name>car</name></package>",
+        "car/launch/a.launch": '<launch><include file="$(find camera)/launch/b.launch"/></launch>',
+        "camera/package.xml": "<package><name>camera</name></package>",
+    }
+    if has_other:
+        files["camera/launch/c.launch"] = "<launch/>"
+    (tmp_path / ".git").mkdir()
+    (finding,) = find(tmp_path, files, "LCH001", name="car/launch/a.launch")
+    assert finding.fix is not None
+    assert ("get all of camera" in finding.fix.title) is not has_other
+
+
+def test_the_xacro_file_of_a_missing_model_is_named_before_its_parts(tmp_path: Path) -> None:
+    inside = '<xacro:include filename="b.xacro"/><link name="a"/>'
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{inside}</robot>'
+    files = {
+        "r.launch": '<launch><param name="robot_description" textfile="$(dirname)/r.urdf"/></launch>',
+        "r.urdf.xacro": text,
+        "r.urdf.xacro.xml": text,
+    }
+    (finding,) = find(tmp_path, files, "LCH001", name="r.launch")
+    assert "there is 'r.urdf.xacro', which xacro must expand" in finding.message
