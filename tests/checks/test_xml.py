@@ -1796,3 +1796,26 @@ def test_a_geometry_in_an_inertial_is_a_remark_beside_other_shapes(
     assert finding.severity == severity
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("name", "declared", "value", "message", "severity"),
+    [
+        ("r.urdf", 'SYSTEM "robot.dtd"', "r", "doctype-bare", Severity.WARNING),
+        ("r.urdf", 'SYSTEM "robot.dtd"', "&amp;", "doctype-bare", Severity.WARNING),
+        ("r.urdf", 'SYSTEM "robot.dtd"', "&a;", "doctype", Severity.ERROR),
+        ("r.urdf", '[<!ENTITY a "r">]', "&a;", "doctype", Severity.ERROR),
+        ("r.urdf.xacro", '[<!ENTITY a "r">]', "&a;", "doctype-xacro", Severity.WARNING),
+        ("r.urdf.xacro", '[<!ENTITY a "r"><!ENTITY b "&a;&a;">]', "&b;", "doctype", Severity.ERROR),
+        ("r.urdf.xacro", '[<!ENTITY a SYSTEM "/etc/passwd">]', "&a;", "doctype", Severity.ERROR),
+    ],
+)
+def test_a_document_type_is_an_error_where_a_program_lacks_or_fears_its_entities(
+    tmp_path: Path, name: str, declared: str, value: str, message: str, severity: Severity
+) -> None:
+    robot_tag = f'<robot name="{value}" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    text = f'<!DOCTYPE robot {declared}>{robot_tag}<link name="a"/></robot>'
+    (finding,) = findings(tmp_path, text, "XML001", name)
+    assert (finding.message_id, finding.severity, finding.blocks_check) == (message, severity, True)
+    assert finding.fix is not None
+    assert ("unless a program checks" in finding.fix.title) == (message == "doctype-bare")

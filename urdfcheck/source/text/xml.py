@@ -18,7 +18,7 @@ from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.text.xml_mistakes import describe_mistake
+from urdfcheck.source.text.xml_mistakes import ENTITIES, describe_mistake
 from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml, find_byte_beyond_utf_8
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
@@ -41,6 +41,10 @@ _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 # A comment; one that nothing closes ends with the text. Otherwise the end of each of many would be searched anew.
 COMMENT = re.compile(r"<!--(.*?)(?:-->|\Z)", re.DOTALL)
 _SUBSTITUTION = re.compile(r"\$[({]")
+_ENTITY = re.compile(r"&([^\s;<>&\"'#]+);")
+# Declarations in a document type none of which uses another, and what may read other files in them.
+_PLAIN_SUBSET = re.compile(r"<!DOCTYPE[^<>\[\]]*\[([^\[\]&%]*)\]\s*>")
+_ELSEWHERE = re.compile(r"\b(?:SYSTEM|PUBLIC)\b")
 
 
 class XmlError(Exception):
@@ -48,8 +52,9 @@ class XmlError(Exception):
 
     ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large. For
     malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype, whether the
-    declaration is ``bare``, a name alone; for too-large, ``what`` exceeds
-    the limit (bytes | depth | attributes | value | parts), the ``limit`` and the number ``found``.
+    declaration is ``bare``, one that declares nothing itself and whose entities are not used, the ``definition`` that it
+    names, and whether it is ``plain``, whose entities are texts; for too-large, ``what`` exceeds the limit (bytes | depth |
+    attributes | value | parts), the ``limit`` and the number ``found``.
     """
 
     def __init__(self, reason: str, message: str, span: Span, data: Mapping[str, object] | None = None) -> None:
@@ -430,7 +435,10 @@ class _Parser:
         # The parser is already behind the declared name.
         begin = self.text.rfind("<!DOCTYPE", 0, self._find_offset(self.expat.CurrentByteIndex))
         span = self.source.make_span(begin, begin + 9)
-        data = {"bare": not (system or public or has_subset)}
+        subset = _PLAIN_SUBSET.match(self.text, begin)
+        is_plain = subset is not None and not (system or public) and not _ELSEWHERE.search(subset[1])
+        is_used = any(name not in ENTITIES for name in _ENTITY.findall(self.text))
+        data = {"bare": not (has_subset or is_used), "definition": system or public or "", "plain": is_plain}
         raise XmlError("doctype", "a document type declaration is refused", span, data=data)
 
     def _find_offset(self, index: int) -> int:

@@ -21,7 +21,7 @@ _NAME = re.compile(r"[^\s<>/=\"'&]+")
 _SWALLOWED = re.compile(r"""([^\s<>/="'&]{1,100})\s*=\s*(["'])([^"'<>=]{0,200}?)\s+[\w:.-]{1,100}\s*=\s*\2\Z""")
 _ENTITY = re.compile(r"&([^\s;<>&\"'#][^\s;<>&\"']*);")
 _OPEN_ENTITY = re.compile(r"&[#\w.:-]{0,40}\Z")
-_ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
+ENTITIES = frozenset({"amp", "lt", "gt", "quot", "apos"})
 _TYPOGRAPHIC = "“”„‟″‘’‚′«»"
 # A larger file than any robot's is not parsed again to try a repair.
 _LARGEST_TRIED = 5_000_000
@@ -158,7 +158,7 @@ def _describe_whole_comment(text: str, at: int) -> str:
 
 def _describe_ampersand(entity: re.Match[str]) -> XmlMistake:
     start, end, typed = entity.start(), entity.end(), entity[0]
-    if typed[1:] in _ENTITIES or typed.startswith("&#"):
+    if typed[1:] in ENTITIES or typed.startswith("&#"):
         return XmlMistake(f"`{typed}` lacks its semicolon or its number", start, end, f"write `{typed};`")
     return XmlMistake("`&` must begin the name of an entity", start, start + 1, "write `&amp;` for the `&`")
 
@@ -377,7 +377,7 @@ def _find_empty_element(text: str, name: str, end: int) -> int | None:
 
 
 def _describe_entity(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
-    found = next((m for m in _ENTITY.finditer(text, at) if m[1] not in _ENTITIES), None)
+    found = next((m for m in _ENTITY.finditer(text, at) if m[1] not in ENTITIES), None)
     if found is None:
         return None
     message = (

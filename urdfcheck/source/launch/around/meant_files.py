@@ -22,7 +22,7 @@ from urdfcheck.system.files import read_text_or_nothing
 
 _XACRO, _PYTHON = ".xacro", ".py"
 # What tells the names of the packages of a series apart.
-_VERSION = re.compile(r"[_-]?v?\d+[a-z]{0,2}$")
+_VERSIONS = (re.compile(r"[_-]?v?\d+[a-z]{0,2}$"), re.compile(r"\d+[a-z]{0,2}(?=[_-])"))
 # So many xacro files are searched for one that includes another.
 _MOST_INCLUDERS = 1_000
 # Whether a file would do in the place of the missing one.
@@ -98,10 +98,11 @@ def _find_only_file(path: Path, finder: PackageFinder) -> Path | None:
 
 
 def _is_of_another_version(path: Path, other: Path, finder: PackageFinder) -> bool:
-    """Whether two files are in packages of two robots of a series, ``arm`` and ``arm_2``, and so of both."""
+    """Whether two files are in packages of two robots of a series, and so of both: ``arm`` and ``arm_2``, or ``arm5_model`` and
+    ``arm10_model``."""
     packages = [finder.find_package_of(normalise_path(place.absolute())) for place in (path, other)]
     one, two = ("" if package is None else package.name for package in packages)
-    return one != two and _VERSION.sub("", one) == _VERSION.sub("", two)
+    return one != two and any(version.sub("", one) == version.sub("", two) for version in _VERSIONS)
 
 
 def _find_includers(part: Path, finder: PackageFinder) -> list[Path]:
