@@ -1435,7 +1435,7 @@ def test_the_xacro_file_of_a_missing_model_is_named_before_its_parts(tmp_path: P
 def test_the_file_of_another_robot_of_a_series_is_not_proposed(tmp_path: Path, other: str, is_named: bool) -> None:
     files = {
         "arm_model/package.xml": "<package><name>arm_model</name></package>",
-        "arm_model/launch/a.launch": '<launch><param name="robot_description" textfile="$(find arm_model)/urdf/a.urdf"/></launch>',
+        "arm_model/launch/a.launch": f"<launch>{load('$(find arm_model)/urdf/a.urdf')}</launch>",
         f"{other}/package.xml": f"<package><name>{other}</name></package>",
         f"{other}/urdf/a.urdf": '<robot name="r"><link name="a"/></robot>',
     }

@@ -373,7 +373,7 @@ def test_broken_text_is_refused_where_it_breaks(text: str, says: str, line: int,
         ("<a>\n<b>\n<b>\n</a>", "write `</b>` for the <b> of line 3 if it ends that of line 2; else close it"),
         (
             '<a>\n<b c="1">\n<b c="2">\n</a>',
-            "write `</b>` where the element ends, or `/>` at the end of its tag if nothing belongs into it",
+            "write `</b>` where the element ends, or `/>` at the end of its tag if nothing belongs in it",
         ),
         (
             "<a>\n<<<<<<< HEAD\n<b/>\n=======\n>>>>>>> 1\n</a>",

@@ -310,7 +310,7 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
     inside = list(itertools.takewhile(lambda element: element[0] != name[0], reversed(opened)))[1:]
     if inside:
         message += f", nor is <{_shorten(inside[0][0])}> of line {inside[0][1]}"
-    repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag if nothing belongs into it"
+    repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag if nothing belongs in it"
     if len(opened) > 1 and opened[-2][0] == opened[-1][0] and _is_typed_bare(text, *opened[-1]):
         repair = f"write `</{inner}>` for the <{inner}> of line {line} if it ends that of line {opened[-2][1]}; else close it"
     return XmlMistake(message, start, end, repair)
