@@ -29,15 +29,18 @@ from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
 from urdfcheck.model.use.simulators import is_simulated_hardware
+from urdfcheck.source.launch.built_files import find_template, is_git_ignored
 from urdfcheck.source.load import read_xacro_source
 from urdfcheck.source.package.file_kinds import is_xacro
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.package.similar_files import find_files_elsewhere
+from urdfcheck.source.package.similar_files import find_files_elsewhere, normalise_path
+from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
 from urdfcheck.source.uses_elsewhere import find_other_includers, is_left_output
+from urdfcheck.source.xacro.usage import list_content_arguments
 from urdfcheck.system.files import read_text_or_nothing
 
 # Each suggestion compares all names.
@@ -98,7 +101,10 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
         if problem is not None:
             broken = Location("yaml", problem.span)
             yield rule.finding("broken", at=broken, related=[parameters.element], reason=str(problem))
-        if parameters.missing:
+        made = _describe_maker(model, parameters) if parameters.missing else None
+        if made is not None:
+            yield rule.finding("made", at=parameters.element, severity=Severity.INFO, path=parameters.text, **made)
+        elif parameters.missing:
             like = [
                 format_path(path)
                 for path in find_files_elsewhere(parameters.text, model.source.path, model.source.finder)
@@ -132,6 +138,28 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
                 owner="container" if is_shared else "machine",
                 found=f" (here {shown})" if parameters.path is not None else "",
             )
+
+
+def _describe_maker(model: Model, parameters: ParameterFile) -> dict[str, str] | None:
+    """Say why a missing file is none of the model's: the launch files that start it pass another, or the build makes it."""
+    from urdfcheck.model.use.started_variants import find_passing_starter  # few robots name a file that is missing
+
+    names = list_content_arguments(model.source.trees, parameters.element)
+    starter = find_passing_starter(model.source, names) if names else None
+    if starter is not None:
+        given = f"the default of argument {names[0]}" if len(names) == 1 else f"made of the arguments {join_names(names)}"
+        return {
+            "why": f"it is {given}, and {format_path(starter)} passes another value",
+            "repair": "give the argument no default, or one that exists, if xacro may run without that launch file",
+        }
+    path, finder = normalise_path(Path(parameters.text)), model.source.finder
+    package = finder.find_package_of(path)
+    template = None if package is None else find_template(path, package.path)
+    if template is not None and finder.can_open(template):
+        return {"why": f"it is made from {format_path(template)}", "repair": f"build the package, which makes {path.name}"}
+    if package is not None and is_git_ignored(path, FileReach.from_paths([package.path], [])):
+        return {"why": "git ignores it, so a program makes it", "repair": f"make {path.name} before the launch"}
+    return None
 
 
 def _is_of_one_machine(parameters: ParameterFile) -> bool:

@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.records import dataclass
@@ -14,6 +15,9 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.use.gazebo_starts import is_left_out_of_gazebo
 from urdfcheck.model.use.simulators import is_simulated
+
+if TYPE_CHECKING:
+    from urdfcheck.model.use.started_variants import StartedVariant
 
 # MuJoCo needs a joint's name only where something refers to it.
 MUJOCO = {"link": "refuses the file: repeated name", "joint": "replaces the second name by an empty one"}
@@ -34,7 +38,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     holders: dict[str, list[str]] = {}
     for joint in model.joints:
         holders.setdefault(joint.child, []).append(joint.name)
-    yield from _check_repeated_names(model.links, "link", rule, holders)
+    yield from _check_repeated_names(model, model.links, "link", rule, holders)
     yield from _check_joints(model, rule)
     # Converters merge the two links of a fixed joint: its name disappears before it can clash.
     shared = [j for j in model.joint_by_name.values() if j.name in model.link_by_name and j.name and j.type != "fixed"]
@@ -59,8 +63,17 @@ def _is_without_mass(model: Model) -> bool:
     return all(link.inertial is None for link in model.links) and not is_simulated(model)
 
 
+def _find_needed_variant(model: Model, kind: str, name: str) -> StartedVariant | None:
+    """Return what gives the parts of a name their own, if every file that starts the model passes it."""
+    from urdfcheck.model.use.started_variants import find_needed_variant  # few models need it
+
+    return find_needed_variant(
+        model.source, lambda variant: variant.root is not None and variant.list_names(kind).count(name) < 2
+    )
+
+
 def _check_repeated_names(
-    parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule, holders: Mapping[str, Sequence[str]]
+    model: Model, parts: Sequence[Link] | Sequence[Joint], kind: str, rule: Rule, holders: Mapping[str, Sequence[str]]
 ) -> Iterator[Finding]:
     """Report parts of one name. ``holders``: the joints of which a link is the child, by its name."""
     first: dict[str, Link | Joint] = {}
@@ -69,6 +82,18 @@ def _check_repeated_names(
             at, other = _locate_name(part), _locate_name(first[part.name])
             shared = _find_shared_value(first[part.name], part)
             held = holders.get(part.name, ())
+            needed = _find_needed_variant(model, kind, part.name)
+            if needed is not None:
+                yield rule.finding(
+                    "default",
+                    at=at,
+                    related=[other, *needed.list_declarations()],
+                    severity=Severity.WARNING,
+                    kind=kind,
+                    called=part.name,
+                    **needed.shown,
+                )
+                continue
             yield rule.finding(
                 "repeated" if shared is None else "passed",
                 at=at if shared is None else Location(at.subject, shared.span, shared.via),
@@ -126,7 +151,7 @@ def _check_joints(model: Model, rule: Rule) -> Iterator[Finding]:
     declared = Counter(link.name for link in model.links)
     copies = [j for j in model.joints if j.name and _is_copy(model.joint_by_name[j.name], j, declared)]
     copied = set(map(id, copies))
-    yield from _check_repeated_names([j for j in model.joints if id(j) not in copied], "joint", rule, {})
+    yield from _check_repeated_names(model, [j for j in model.joints if id(j) not in copied], "joint", rule, {})
     for joint in copies:
         meant = _find_meant_child(model, joint) if len(copies) == 1 else ""
         is_explained = meant and len(KinematicGraph.from_model(model).find_components()) == 2

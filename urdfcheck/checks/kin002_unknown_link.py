@@ -16,7 +16,6 @@ from urdfcheck.model.use.other_programs import find_attaching_program, is_named_
 from urdfcheck.source.load import expand_edited
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
-from urdfcheck.source.xacro.usage import iter_elements_by_tag
 
 _ADDING = 'add `<link name="{called}"/>` if no other file is to bring it, or {naming}'
 # Beside a root, the link alone would be a second one.
@@ -94,29 +93,20 @@ def _build_started_finding(
 
     Every file that starts the model passes values with which the link exists.
     """
-    from urdfcheck.model.use.started_variants import (
-        is_started_with_defaults,
-        list_started_variants,
-    )  # few models need it
+    from urdfcheck.model.use.started_variants import find_needed_variant  # few models need it
 
-    variants = [v for v in list_started_variants(model.source) if not v.contradicts_model]
-    makes_link = [v for v in variants if v.names is not None and called in v.names["link"]]
-    if not variants or len(makes_link) < len(variants) or is_started_with_defaults(model.source):
+    needed = find_needed_variant(model.source, lambda variant: called in variant.list_names("link"))
+    if needed is None:
         return None
     attributes = [attribute for _, attribute in places]
-    alone = (v for v in variants[0].split() if v.names is not None and called in v.names["link"])
-    needed = next(alone, variants[0])
-    declared = {e.get("name"): e for e in iter_elements_by_tag(model.source.trees, "xacro:arg")}
     finding = rule.finding(
         "default",
         at=attributes[0],
-        related=[*(a.location for a in attributes[1:10]), *(declared[n] for n in needed.arguments if n in declared)],
+        related=[*(a.location for a in attributes[1:10]), *needed.list_declarations()],
         severity=Severity.WARNING,
         called=spell_breaks(called),
         where=_describe_places(places),
-        arguments=join_names([f"{name}:={value}" for name, value in needed.arguments.items()], 3),
-        defaults=" and ".join(f"{name} the default `{value}`" for name, value in needed.arguments.items()),
-        file=format_path(needed.starter),
+        **needed.shown,
     )
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 

@@ -41,6 +41,21 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             file=format_path(joints),
         )
         return
+    from urdfcheck.model.use.started_variants import find_needed_variant  # few models need it
+
+    needed = find_needed_variant(model.source, lambda variant: len(variant.list_roots()) == 1)
+    if needed is not None:
+        yield rule.finding(
+            "default",
+            at=model.link_by_name[roots[1]],
+            severity=Severity.WARNING,
+            related=[model.link_by_name[roots[0]], *needed.list_declarations()],
+            count=len(pieces),
+            main=f"{roots[0]} ({format_count(len(pieces[0]), 'link')})",
+            others=others,
+            **needed.shown,
+        )
+        return
     is_nameless = model.source.is_xacro and "name" not in model.robot.attributes
     yield rule.finding(
         "pieces",

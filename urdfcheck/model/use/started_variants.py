@@ -6,21 +6,31 @@ Launch files in Python and MoveIt's settings say so only in part: the model itse
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cached_property, lru_cache
 from itertools import islice
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import compile_names
-from urdfcheck.source.launch.passed_arguments import BESIDE, MOST_LAUNCHES, iter_launch_files, read_passed_arguments
+from urdfcheck.core.text import compile_names, join_names
+from urdfcheck.source.launch.passed_arguments import (
+    BESIDE,
+    MOST_LAUNCHES,
+    iter_launch_files,
+    may_pass_argument,
+    read_passed_arguments,
+)
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.load import Source
-from urdfcheck.source.package.finder import has_dependency_entry
+from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.ros.srdf import read_setup_arguments
+from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.files import read_text_or_nothing
 
+# What launch files that start Gazebo name: its packages and programs.
+_GAZEBO = re.compile(r"gazebo|\b(?:ros_)?(?:gz|ign)_|\b(?:gz|ign) sim", re.IGNORECASE)
 # Limit on the sets of arguments that one model is expanded with again.
 _MOST_VARIANTS = 6
 
@@ -46,16 +56,55 @@ class StartedVariant:
             yield StartedVariant(source=self.source, arguments={name: value}, starter=self.starter)
 
     @cached_property
-    def names(self) -> Mapping[str, frozenset[str]] | None:
-        """The names of the links and of the joints, by kind; None if it cannot be expanded."""
+    def root(self) -> Element | None:
+        """The robot; None if it cannot be expanded."""
         from urdfcheck.source.xacro.expand import expand_xacro
 
         source = self.source
         given = {**source.arguments, **self.arguments}
-        root = expand_xacro(source.path, given, source.finder, extra_environment=source.environment).root
-        if root is None:
+        return expand_xacro(source.path, given, source.finder, extra_environment=source.environment).root
+
+    @cached_property
+    def names(self) -> Mapping[str, frozenset[str]] | None:
+        """The names of the links and of the joints, by kind; None if it cannot be expanded."""
+        if self.root is None:
             return None
-        return {kind: frozenset(e.get("name") for e in root.find_children(kind)) for kind in ("link", "joint")}
+        return {kind: frozenset(self.list_names(kind)) for kind in ("link", "joint")}
+
+    @property
+    def shown(self) -> dict[str, str]:
+        """What texts say of it: its arguments, the defaults that are to be theirs, and the file that passes them."""
+        return {
+            "arguments": join_names([f"{name}:={value}" for name, value in self.arguments.items()], 3),
+            "defaults": " and ".join(f"{name} the default `{value}`" for name, value in self.arguments.items()),
+            "file": format_path(self.starter),
+        }
+
+    def list_names(self, kind: str) -> list[str]:
+        """List the names of its links or joints; empty if it cannot be expanded."""
+        return [] if self.root is None else [e.get("name") for e in self.root.find_children(kind)]
+
+    def list_roots(self) -> list[str]:
+        """List the links that are the child of no joint; empty if it cannot be expanded."""
+        joints = [] if self.root is None else self.root.find_children("joint")
+        children = {child.get("link") for joint in joints for child in joint.find_children("child")}
+        return [name for name in self.list_names("link") if name not in children]
+
+    def list_declarations(self) -> list[Element]:
+        """List the declarations of its arguments, one for each."""
+        declared = {e.get("name"): e for e in iter_elements_by_tag(self.source.trees, "xacro:arg")}
+        return [declared[name] for name in self.arguments if name in declared]
+
+
+def find_needed_variant(source: Source, is_right: Callable[[StartedVariant], bool]) -> StartedVariant | None:
+    """Return what a model must be started with to be right, if every file that starts it passes such values.
+
+    Then only the defaults of its arguments are wrong. It is the first argument that is enough, or all that the first file passes.
+    """
+    variants = [variant for variant in list_started_variants(source) if not variant.contradicts_model]
+    if not variants or not all(map(is_right, variants)) or is_started_with_defaults(source):
+        return None
+    return next(filter(is_right, variants[0].split()), variants[0])
 
 
 @lru_cache(maxsize=1)
@@ -75,6 +124,20 @@ def list_started_variants(source: Source) -> tuple[StartedVariant, ...]:
 def is_started_with_defaults(source: Source) -> bool:
     """Whether a launch file names the model and passes it nothing, or nothing that its defaults are not."""
     return any(not changed for _, changed in _list_changes(source))
+
+
+def find_passing_starter(source: Source, names: Collection[str]) -> Path | None:
+    """Return the first launch file that starts a model and gives one of these arguments a value, known or computed.
+
+    None if no file does, or if one that mentions Gazebo starts the model without.
+    """
+    first: Path | None = None
+    for starter, passed in _iter_argument_sets(source):
+        if any(name in passed or may_pass_argument(starter, name) for name in names):
+            first = first or starter
+        elif _GAZEBO.search(read_text_or_nothing(starter, MAX_PYTHON)):
+            return None
+    return first
 
 
 @lru_cache(maxsize=1)

@@ -197,6 +197,26 @@ def find_computed_arguments(text: str) -> list[str]:
     return _COMPUTED_ARGUMENT.findall(text) if "$(arg" in text else []
 
 
+def list_content_arguments(trees: Mapping[str, Element], element: Element) -> list[str]:
+    """List the arguments of which the text in an element of the robot is made, also by the properties and the calls that hand
+    them on."""
+    typed = find_typed(trees, element)
+    texts = [] if typed is None else [typed.text]
+    calls = {span: tree for span in element.via if (tree := trees.get(span.file)) is not None}
+    given = [call for span, tree in calls.items() if (call := _index_by_span(tree).get(span)) is not None]
+    properties = list(iter_elements_by_tag(trees, "xacro:property"))
+    seen: set[str] = set()
+    found: dict[str, None] = {}
+    while texts:
+        text = texts.pop()
+        found |= dict.fromkeys(ARGUMENT.findall(text))
+        names = set(_PARAMETER.findall(text)) - seen
+        seen |= names
+        texts += [call.get(name) for call in given for name in names]
+        texts += [each.get("value") for each in properties if each.get("name") in names]
+    return list(found)
+
+
 def may_be_name(typed: str, name: str) -> bool:
     """Whether a name that is computed, as typed, may be this one."""
     pattern = ".*".join(map(re.escape, _COMPUTED_PART.split(typed)))
