@@ -6,7 +6,14 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
-from urdfcheck.core.text import SLIP_LIKENESS, compile_names, find_only_near_name, format_name_hint, join_names
+from urdfcheck.core.text import (
+    SLIP_LIKENESS,
+    compile_names,
+    find_nearest_name,
+    find_only_near_name,
+    format_name_hint,
+    join_names,
+)
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
@@ -59,6 +66,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     if sharing
                     else "",
                     repair=_describe_agreement(name.value, meant, sharing)
+                    or _describe_call(name, meant or find_nearest_name(name.value, free), tag)
                     or f"write a joint of the robot{hint} instead of "
                     f"{name.value!r}, or delete the {'transmission' if tag == 'transmission' else 'entry'}",
                     shared=f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too"
@@ -93,6 +101,24 @@ def _list_sharing_files(model: Model, name: Attribute, meant: str | None) -> lis
         if word.search(text) and not other.search(text)
     )
     return sorted(found)
+
+
+def _describe_call(name: Attribute, near: str | None, tag: str) -> str:
+    """Say that a call of a macro gives the wrong part of a name; empty where what the call gives is in the similar joint's name,
+    so that the macro itself has the slip."""
+    handed = next((d for d in name.collect_definitions() if d.kind == "parameter"), None)
+    if (
+        handed is None
+        or near is None
+        or not handed.value
+        or handed.value in near
+        or f"{{{handed.name}}}" not in name.typed
+    ):
+        return ""
+    return (
+        f"pass another `{handed.name}` to the macro, of which `{name.typed}` makes {near}; or let the macro name the joint by a "
+        f"parameter of its own, or delete the {'transmission' if tag == 'transmission' else 'entry'}"
+    )
 
 
 def _describe_agreement(name: str, meant: str | None, sharing: list[str]) -> str:

@@ -147,7 +147,9 @@ def _describe_maker(model: Model, parameters: ParameterFile) -> dict[str, str] |
     names = list_content_arguments(model.source.trees, parameters.element)
     starter = find_passing_starter(model.source, names) if names else None
     if starter is not None:
-        given = f"the default of argument {names[0]}" if len(names) == 1 else f"made of the arguments {join_names(names)}"
+        given = (
+            f"the default of argument {names[0]}" if len(names) == 1 else f"made of the arguments {join_names(names)}"
+        )
         return {
             "why": f"it is {given}, and {format_path(starter)} passes another value",
             "repair": "give the argument no default, or one that exists, if xacro may run without that launch file",
@@ -156,7 +158,10 @@ def _describe_maker(model: Model, parameters: ParameterFile) -> dict[str, str] |
     package = finder.find_package_of(path)
     template = None if package is None else find_template(path, package.path)
     if template is not None and finder.can_open(template):
-        return {"why": f"it is made from {format_path(template)}", "repair": f"build the package, which makes {path.name}"}
+        return {
+            "why": f"it is made from {format_path(template)}",
+            "repair": f"build the package, which makes {path.name}",
+        }
     if package is not None and is_git_ignored(path, FileReach.from_paths([package.path], [])):
         return {"why": "git ignores it, so a program makes it", "repair": f"make {path.name} before the launch"}
     return None

@@ -159,7 +159,7 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
         is_scrap = is_part and "name" not in model.robot.attributes
         # With one it may be a robot, if anything starts it.
-        is_unused = is_part and not is_named_in_package(model)
+        is_unused = (is_part or template is _ATTACHING) and not is_named_in_package(model)
         finding = rule.finding(
             "unknown",
             at=attributes[0],

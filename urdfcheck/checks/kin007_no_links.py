@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import format_count
 from urdfcheck.model import Model
 from urdfcheck.model.link_graph import KinematicGraph
 
@@ -14,7 +15,16 @@ _OF_JOINTS = ("XML005 *", "KIN009 *", "JNT004 *", "JNT007 *")
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     KinematicGraph.from_model(model)  # raises if the xacro is not expanded: its links are still to come
-    if not model.links:
+    if model.joints and not model.links and not any(joint.parent or joint.child for joint in model.joints):
+        yield rule.finding(
+            "joints",
+            at=model,
+            severity=Severity.WARNING,
+            robot=model.name,
+            count=format_count(len(model.joints), "joint"),
+            explains=list(_OF_JOINTS),
+        )
+    elif not model.links:
         yield rule.finding(
             "none", at=model, robot=model.name, repair=_describe_repair(model), explains=list(_OF_JOINTS)
         )

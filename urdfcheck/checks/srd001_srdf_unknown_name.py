@@ -34,6 +34,8 @@ MIN_SIMILARITY_ELSEWHERE = 0.85
 MAX_HINTS = 100
 # What Pinocchio calls the joint of a floating base: it reads the pose of the base from the states of an SRDF.
 _FREE_FLYER = "root_joint"
+# A position and a quaternion.
+_VALUES_OF_POSE = 7
 # The attributes that name groups, by element and the element around it.
 _GROUPS = {
     ("group", "group"): ("name",),
@@ -158,11 +160,12 @@ def _check_unknown_names(
                 original=format_path(original),
             )
             continue
+        is_pose = kind == "joint" and all(len(a.owner.get("value").split()) == _VALUES_OF_POSE for a in attributes)
         yield rule.finding(
-            kind,
+            "joint-of-base" if is_pose else kind,
             at=attributes[0],
             related=attributes[1:],
-            edits=build_replacement_edits(attributes, near) if near is not None else (),
+            edits=build_replacement_edits(attributes, near) if near is not None and not is_pose else (),
             where=_describe_element(attributes[0].owner),
             name=name,
             near=format_name_hint(name, candidates),
