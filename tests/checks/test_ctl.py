@@ -735,3 +735,67 @@ def test_a_name_that_the_controllers_share_is_not_the_odd_one(tmp_path: Path, ya
     assert bool(finding.fix.edits) != is_shared
     assert ("c.yaml name" in finding.message) == is_shared
     assert finding.fix.title.startswith("let the names agree" if is_shared else "write a joint of the robot")
+
+
+@pytest.mark.parametrize(
+    ("macro", "call", "repair"),
+    [
+        ("${name}_wheel", "left_drive", "pass another `name` to the macro, of which `${name}_wheel` makes left_wheel"),
+        ("${name}_weel", "left", "write a joint of the robot"),  # the slip is in the macro itself
+    ],
+)
+def test_a_name_that_a_call_gives_is_corrected_in_the_call(tmp_path: Path, macro: str, call: str, repair: str) -> None:
+    block = f'<transmission name="${{name}}"><joint name="{macro}"/></transmission>'
+    body = f'<xacro:macro name="geared" params="name">{block}</xacro:macro><xacro:geared name="{call}"/>'
+    (finding,) = find_in_cart(tmp_path, "", body, code="CTL001")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("files", "severity"),
+    [
+        ({"config/missing.yaml.in": "a: @B@"}, Severity.INFO),
+        ({".gitignore": "missing.yaml"}, Severity.INFO),
+        ({"config/other.yaml.in": "a: @B@"}, Severity.ERROR),
+    ],
+)
+def test_a_controllers_file_that_a_build_makes_is_no_error(
+    tmp_path: Path, files: dict[str, str], severity: Severity
+) -> None:
+    body = PLUGIN.format("$(find cart)/config/missing.yaml")
+    (finding,) = find_in_cart(tmp_path, "", body, **files)
+    assert finding.severity is severity
+
+
+LAUNCHED = """share = get_package_share_directory('cart')
+path = render(share)
+text = os.popen(f"xacro {share}/urdf/cart.urdf.xacro yaml:={path}").read()
+Node(package='ros_gz_sim', executable='create')
+"""
+
+
+@pytest.mark.parametrize(
+    ("launches", "severity"),
+    [
+        ([LAUNCHED], Severity.INFO),
+        ([LAUNCHED, LAUNCHED.replace(" yaml:={path}", "").replace("ros_gz_sim", "rviz2")], Severity.INFO),
+        ([LAUNCHED, LAUNCHED.replace(" yaml:={path}", "")], Severity.ERROR),  # this one starts Gazebo with the default
+        ([], Severity.ERROR),
+    ],
+)
+@pytest.mark.parametrize("typed", ["direct", "macro", "property"])
+def test_a_controllers_file_that_launch_files_pass_may_lack_as_a_default(
+    tmp_path: Path, launches: list[str], severity: Severity, typed: str
+) -> None:
+    body = {
+        "direct": PLUGIN.format("$(arg yaml)"),
+        "macro": '<xacro:macro name="sim" params="file">'
+        + PLUGIN.format("${file}")
+        + '</xacro:macro><xacro:sim file="$(arg yaml)"/>',
+        "property": '<xacro:property name="file" value="$(arg yaml)"/>' + PLUGIN.format("${file}"),
+    }[typed]
+    declared = '<xacro:arg name="yaml" default="$(find cart)/config/missing.yaml"/>'
+    files = {f"launch/{number}.launch.py": text for number, text in enumerate(launches)}
+    (finding,) = find_in_cart(tmp_path, "", declared + body, **files)
+    assert finding.severity is severity

@@ -743,7 +743,11 @@ def test_a_part_of_another_model_of_the_robot_is_no_error(
     (tmp_path / "laser.urdf").write_text(text, encoding="utf-8")
     (finding,) = check(tmp_path / "laser.urdf", codes={"KIN002"}).findings
     assert finding.message_id == message
-    assert finding.severity == (Severity.INFO if message == "fragment" else Severity.ERROR)
+    is_unused = message == "unknown" and f'name="{parent}"' in (
+        whole or ""
+    )  # nothing starts it, and a robot has the link
+    known = Severity.WARNING if is_unused else Severity.ERROR
+    assert finding.severity == (Severity.INFO if message == "fragment" else known)
     for other in (
         text.replace('<child link="laser"/>', '<child link="arm"/>'),
         text.replace("<joint", '<link name="root"/><joint'),
@@ -956,3 +960,84 @@ def test_a_model_of_no_package_is_for_the_programs_that_name_it(
         (tmp_path / name).write_text(text)
     (finding,) = check(tmp_path / "data/r.urdf", codes={"KIN010"}).findings
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(
+    ("code", "passed", "expected"),
+    [
+        ("KIN001", {"a": '{"l": "l_", "r": "r_"}'}, {"default"}),
+        ("KIN001", {"a": '{"l": "l_", "r": "r_"}', "b": "{}"}, {"passed"}),  # this one fails
+        ("KIN001", {"a": '{"l": "x_", "r": "x_"}'}, {"passed"}),
+        ("KIN001", {}, {"passed"}),
+        ("KIN005", {"a": '{"world": "true"}'}, {"default"}),
+        ("KIN005", {"a": '{"world": "true"}', "b": "{}"}, {"pieces"}),
+        ("KIN005", {}, {"pieces"}),
+    ],
+)
+def test_what_only_the_defaults_make_wrong_is_a_warning(
+    tmp_path: Path, code: str, passed: dict[str, str], expected: set[str]
+) -> None:
+    held = {
+        "KIN001": '<xacro:arg name="l" default=""/><xacro:arg name="r" default=""/><link name="base"/>'
+        '<xacro:macro name="arm" params="prefix"><link name="${prefix}a"/>'
+        + joint("${prefix}j", "base", "${prefix}a")
+        + '</xacro:macro><xacro:arm prefix="$(arg l)"/><xacro:arm prefix="$(arg r)"/>',
+        "KIN005": '<xacro:arg name="world" default="false"/><link name="world"/><link name="base"/>'
+        '<xacro:if value="$(arg world)">' + joint("weld", "world", "base") + "</xacro:if>",
+    }
+    launches = {
+        f"launch/{name}.launch.py": "share = get_package_share_directory('arm')\n"
+        f"text = xacro.process_file(os.path.join(share, 'urdf', 'arm.urdf.xacro'), mappings={mappings})\n"
+        for name, mappings in passed.items()
+    }
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "urdf/arm.urdf.xacro": robot(held[code], name="arm", xacro=True),
+        **launches,
+    }
+    findings = find(tmp_path, files, code, name="urdf/arm.urdf.xacro")
+    assert {finding.message_id for finding in findings} == expected
+    severity = Severity.WARNING if expected == {"default"} else Severity.ERROR
+    assert {finding.severity for finding in findings} == {severity}
+
+
+def test_joints_without_parent_and_child_are_a_list_for_joint_state_publisher(tmp_path: Path) -> None:
+    thruster = '<joint name="thruster"><limit lower="-30" upper="30"/></joint>'
+    (finding,) = check_text(tmp_path, f'<robot name="r">{thruster}</robot>', codes={"KIN007"}).findings
+    assert (finding.message_id, finding.severity) == ("joints", Severity.WARNING)
+    tied = '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>'
+    (finding,) = check_text(tmp_path, f'<robot name="r">{tied}</robot>', codes={"KIN007"}).findings
+    assert (finding.message_id, finding.severity) == ("none", Severity.ERROR)
+
+
+@pytest.mark.parametrize(
+    ("started", "other", "severity"),
+    [
+        ("", "base_link", Severity.WARNING),
+        ("tray.urdf", "base_link", Severity.ERROR),
+        ("", "chassis", Severity.ERROR),  # nothing shows that the file is a part of another robot
+    ],
+)
+def test_a_part_in_plain_urdf_that_its_package_does_not_start_is_a_warning(
+    tmp_path: Path, started: str, other: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "view.launch": f"<launch>rviz {started}</launch>",
+        "urdf/car.urdf": robot(link(other), name="car"),
+        "urdf/tray.urdf": robot(link("tray"), joint("j", "base_link", "tray"), name="tray"),
+    }
+    (finding,) = find(tmp_path, files, "KIN002", name="urdf/tray.urdf")
+    assert (finding.message_id, finding.severity) == ("unknown", severity)
+
+
+def test_the_nearest_file_with_the_missing_link_is_said_to_complete_a_robot(tmp_path: Path) -> None:
+    files = {
+        ".git/HEAD": "",
+        "_deps/sensor/example.urdf": robot(link("stand"), link("sensor"), name="example"),
+        "cell/corner.urdf": robot(link("wall"), link("arm"), joint("j", "stand", "arm"), name="corner"),
+        "cell/setup.urdf": robot(link("stand"), link("table"), name="setup"),
+    }
+    (finding,) = find(tmp_path, files, "KIN002", name="cell/corner.urdf")
+    assert finding.fix is not None
+    assert "setup.urdf, which has stand, completes this one" in finding.fix.title

@@ -370,7 +370,13 @@ def test_a_follower_goes_where_its_leader_says(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "value", "messages"), [("root_joint", "0 0 1 0 0 0 1", []), ("root_joint", "0", ["joint"])]
+    ("name", "value", "messages"),
+    [
+        ("root_joint", "0 0 1 0 0 0 1", []),
+        ("root_joint", "0", ["joint"]),
+        ("root_link", "0 0 1 0 0 0 1", ["joint-of-base"]),
+        ("root_link", "0", ["joint"]),
+    ],
 )
 def test_a_state_may_give_the_pose_of_the_base(tmp_path: Path, name: str, value: str, messages: list[str]) -> None:
     joints = f'<joint name="{name}" value="{value}"/><joint name="elbow" value="0"/>'

@@ -115,9 +115,10 @@ def _describe_call(name: Attribute, near: str | None, tag: str) -> str:
         or f"{{{handed.name}}}" not in name.typed
     ):
         return ""
+    entry = "transmission" if tag == "transmission" else "entry"
     return (
-        f"pass another `{handed.name}` to the macro, of which `{name.typed}` makes {near}; or let the macro name the joint by a "
-        f"parameter of its own, or delete the {'transmission' if tag == 'transmission' else 'entry'}"
+        f"pass another `{handed.name}` to the macro, of which `{name.typed}` makes {near}; or hand the macro the joint's name in "
+        f"another parameter, or delete the {entry}"
     )
 
 

@@ -140,7 +140,7 @@ def _check_parameter_files(model: Model, rule: Rule) -> Iterator[Finding]:
             )
 
 
-def _describe_maker(model: Model, parameters: ParameterFile) -> dict[str, str] | None:
+def _describe_maker(model: Model, parameters: ParameterFile) -> dict[str, Any] | None:
     """Say why a missing file is none of the model's: the launch files that start it pass another, or the build makes it."""
     from urdfcheck.model.use.started_variants import find_passing_starter  # few robots name a file that is missing
 

@@ -63,12 +63,12 @@ def _is_without_mass(model: Model) -> bool:
     return all(link.inertial is None for link in model.links) and not is_simulated(model)
 
 
-def _find_needed_variant(model: Model, kind: str, name: str) -> StartedVariant | None:
-    """Return what gives the parts of a name their own, if every file that starts the model passes it."""
+def _find_needed_variant(model: Model, kind: str) -> StartedVariant | None:
+    """Return what gives all parts of a kind their own names, if every file that starts the model passes it."""
     from urdfcheck.model.use.started_variants import find_needed_variant  # few models need it
 
     return find_needed_variant(
-        model.source, lambda variant: variant.root is not None and variant.list_names(kind).count(name) < 2
+        model.source, lambda variant: len(names := variant.list_names(kind)) == len({*names}) and bool(names)
     )
 
 
@@ -82,7 +82,7 @@ def _check_repeated_names(
             at, other = _locate_name(part), _locate_name(first[part.name])
             shared = _find_shared_value(first[part.name], part)
             held = holders.get(part.name, ())
-            needed = _find_needed_variant(model, kind, part.name)
+            needed = _find_needed_variant(model, kind)
             if needed is not None:
                 yield rule.finding(
                     "default",

@@ -97,7 +97,9 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
 
 
 def find_defining_file(model: Model, link: str) -> Path | None:
-    """Return another robot file of the repository that spells out a link of this name and none of the model's own, or None."""
+    """Return the nearest other robot file of the repository that spells out a link of this name and none of the model's own, or
+    None: a common name such as ``world`` is in files of other robots too."""
+    found: list[tuple[int, Path]] = []
     for path in islice(_iter_robot_files(model.source), _MOST_FILES):
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
@@ -105,8 +107,13 @@ def find_defining_file(model: Model, link: str) -> Path | None:
             continue
         spelled = {a or b for a, b in _LINK_NAME.findall(COMMENT.sub("", text))} if link in text else set()
         if link in spelled and spelled.isdisjoint(model.link_by_name):
-            return path
-    return None
+            found.append((-_measure_common_path(model, path), path))
+    return min(found, default=(0, None))[1]
+
+
+def _measure_common_path(model: Model, path: Path) -> int:
+    """Return the length of what a path has in common with that of the model's folder."""
+    return len(os.path.commonpath([model.source.path.parent.absolute(), path.absolute()]))
 
 
 def find_joints_elsewhere(source: Source) -> Path | None:
@@ -142,7 +149,7 @@ def _find_colours_elsewhere(model: Model) -> Mapping[str, tuple[Path, str]]:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
             continue
-        shared = len(os.path.commonpath([model.source.path.parent.absolute(), path.absolute()]))
+        shared = _measure_common_path(model, path)
         for name, rgba in _DEFINED_COLOUR.findall(text):
             is_nearest = name not in found or (-shared, path) < found[name][:2]
             if is_nearest and parse_numbers(rgba, count=4) is not None:

@@ -11,6 +11,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from functools import cached_property, lru_cache
 from itertools import islice
 from pathlib import Path
+from typing import Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names, join_names
@@ -72,7 +73,7 @@ class StartedVariant:
         return {kind: frozenset(self.list_names(kind)) for kind in ("link", "joint")}
 
     @property
-    def shown(self) -> dict[str, str]:
+    def shown(self) -> dict[str, Any]:
         """What texts say of it: its arguments, the defaults that are to be theirs, and the file that passes them."""
         return {
             "arguments": join_names([f"{name}:={value}" for name, value in self.arguments.items()], 3),
