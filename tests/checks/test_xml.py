@@ -1819,3 +1819,24 @@ def test_a_document_type_is_an_error_where_a_program_lacks_or_fears_its_entities
     assert (finding.message_id, finding.severity, finding.blocks_check) == (message, severity, True)
     assert finding.fix is not None
     assert ("unless a program checks" in finding.fix.title) == (message == "doctype-bare")
+
+
+@pytest.mark.parametrize(
+    ("shapes", "severities", "repair"),
+    [
+        ("<visual/><visual/>", {Severity.WARNING}, "add <geometry>, or delete"),
+        (
+            '<visual/><collision><geometry><sphere radius="1"/></geometry></collision>',
+            {Severity.ERROR},
+            "add <geometry>, or",
+        ),
+        ('<visual><box size="1 1 1"/></visual>', {Severity.ERROR}, "add <geometry> around the <box>, or delete"),
+    ],
+)
+def test_a_shape_without_geometry_is_an_error_where_something_is_lost(
+    tmp_path: Path, shapes: str, severities: set[Severity], repair: str
+) -> None:
+    text = f'<robot name="r"><link name="a">{shapes}</link></robot>'
+    findings = check_text(tmp_path, text, codes={"XML005"}).findings
+    assert {finding.severity for finding in findings} == severities
+    assert all(finding.fix is not None and finding.fix.title.startswith(repair) for finding in findings)

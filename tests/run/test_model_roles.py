@@ -470,6 +470,21 @@ def test_a_part_that_makes_transmissions_alone_is_in_the_model(package: Path) ->
     assert finding.model == "part.xacro"
 
 
+def test_a_part_that_only_chooses_what_is_included_is_in_the_model_that_reads_it(package: Path) -> None:
+    choice = (
+        '<xacro:property name="tool" value="$(arg tool)"/><xacro:if value="${tool == 0}">'
+        + include("tool.xacro")
+        + "</xacro:if>"
+    )
+    tool = xacro('<xacro:macro name="tool"><link name="tool"/></xacro:macro>', "")
+    car = '<xacro:arg name="tool" default="0"/>' + include("choice.xacro") + "<xacro:tool/>"
+    write(package, {"car.urdf.xacro": xacro(car), "choice.xacro": xacro(choice, ' name="choice"'), "tool.xacro": tool})
+    assert not check(Path("."), codes={"XML002"}).findings
+    left_out = '<xacro:arg name="tool" default="0"/><link name="base"/>' + unless_asked(include("choice.xacro"))
+    write(package, {"car.urdf.xacro": xacro(left_out)})
+    assert [finding.model for finding in check(Path("."), codes={"XML002"}).findings] == ["choice.xacro"]
+
+
 def test_a_condition_that_leaves_a_part_out_is_named(package: Path) -> None:
     part = xacro('<link name="${prefix}camera"/>', ' name="camera"')
     taken = '<xacro:arg name="cam" default="false"/><xacro:property name="prefix" value="a_"/>'

@@ -34,6 +34,7 @@ _CHECKED_TAGS = frozenset({
 })  # fmt: skip
 
 
+_SHAPED = frozenset({"visual", "collision"})
 _DELETABLE = frozenset({"mimic", "material", "color"})
 
 
@@ -76,11 +77,27 @@ def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Find
             "child",
             at=element,
             consequences=_describe_consequences(element, *missing),
+            severity=Severity.WARNING if _is_placeholder(element) else None,
             tag=element.tag,
             missing=" and no ".join(tags),
-            added=" and ".join(tags),
+            added=_describe_addition(element, tags),
             owner=_describe_owner(element),
         )
+
+
+def _is_placeholder(element: Element) -> bool:
+    """Whether an element is empty, and so is every other shape of its link: the reference parser then has nothing to drop."""
+    if element.tag not in _SHAPED or element.parent is None:
+        return False
+    return not any(shape.children or shape.attributes for shape in element.parent.children if shape.tag in _SHAPED)
+
+
+def _describe_addition(element: Element, tags: Sequence[str]) -> str:
+    """Say what to add; a shape that is typed directly in a visual or collision belongs in what is missing."""
+    shapes = [f"<{child.tag}>" for child in element.children if child.tag in CHILDREN["geometry"]]
+    if element.tag in _SHAPED and len(shapes) == 1:
+        return f"<geometry> around the {shapes[0]}"
+    return " and ".join(tags)
 
 
 def _collect_lost(model: Model, element: Element) -> set[str]:

@@ -27,6 +27,8 @@ _FOR_WANT_OF_CONTEXT = frozenset({"expansion-failed", "argument-missing", "inclu
 _SEMANTIC = frozenset({"group", "group_state", "virtual_joint", "passive_joint", "end_effector", "disable_collisions"})
 # A long name is not shown whole.
 _LONGEST_NAME = 60
+# What chooses which files are included.
+_CHOOSING = frozenset({"xacro:if", "xacro:unless", "xacro:property", "xacro:arg"})
 # What completes a robot and names its links or joints.
 _COMPLETING = frozenset({"ros2_control", "gazebo", "transmission"})
 # What makes nothing of a robot: the definitions of xacro, which some files have without their prefix, and those of colours.
@@ -89,16 +91,27 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
 def collect_robot_files(source: Source) -> frozenset[str]:
     """Return the names of the files of which a link or joint of the robot was made: typed there, or by a call there.
 
-    Of a file that can make neither, a transmission, a block of Gazebo or what is within a block of ros2_control is enough.
+    Of a file that can make neither, a transmission, a block of Gazebo or what is within a block of ros2_control is enough; of one
+    that only chooses what is included, that xacro read it.
     """
     children = () if source.root is None else source.root.children
     completing = _collect_files(e for child in children if child.tag in _COMPLETING for e in child.walk())
-    return _collect_files(child for child in children if child.tag in {"link", "joint"}) | {
-        name
-        for name in completing
-        if (tree := source.trees.get(name)) is not None
-        and not any(element.tag == "link" or is_include(element) for element in tree.walk())
-    }
+    return (
+        _collect_files(child for child in children if child.tag in {"link", "joint"})
+        | {
+            name
+            for name in completing
+            if (tree := source.trees.get(name)) is not None
+            and not any(element.tag == "link" or is_include(element) for element in tree.walk())
+        }
+        | {name for name, tree in source.trees.items() if name != source.name and _only_includes(tree)}
+    )
+
+
+def _only_includes(tree: Element) -> bool:
+    """Whether a file has nothing but includes, the conditions around them and what these read: no element of a robot is of it."""
+    inner = [element for element in tree.walk() if element is not tree]
+    return any(map(is_include, inner)) and all(is_include(e) or e.tag in _CHOOSING for e in inner)
 
 
 def _collect_files(elements: Iterable[Element]) -> frozenset[str]:
