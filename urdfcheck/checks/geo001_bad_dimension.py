@@ -34,6 +34,8 @@ POINT = "loads it as a point, which marks a contact"
 INSIDE_OUT = "the sphere has a negative volume and collides only deep inside"
 # The conversion to SDF drops a body without mass.
 DROPPED = "drops the link, which has no mass, and the shape with it"
+_REMOVE = "remove this <collision>, or write its real size"
+_WRITE = "write the real {}, or remove this <collision>"
 # They read the file by urdfdom, which does not know capsules.
 THROUGH_URDFDOM = ("urdfdom", "gazebo", "pinocchio")
 # Programs that load a sphere of radius 0 as the point that it is meant to be.
@@ -124,4 +126,15 @@ def _check_dimensions(
             reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
     elif zero:
-        yield rule.finding("zero", at=attribute, **data)
+        yield rule.finding(
+            "zero", at=attribute, repair=_REMOVE if _is_nothing(shape) else _WRITE.format(attribute.name), **data
+        )
+
+
+def _is_nothing(shape: Shape) -> bool:
+    """Whether all sizes of a shape are zero: nothing is meant to collide there."""
+    element, named = shape.geometry_element, _DIMENSIONS.get(shape.kind or "", {})
+    if element is None:
+        return False
+    sizes = [parse_numbers(element.get(name), len(parts)) for name, parts in named.items()]
+    return not any(numbers is None or any(numbers) for numbers in sizes)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
+from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.model import DeclaredMass, Link, Model
-from urdfcheck.model.rigid_bodies import compute_body_mass, is_world_link
+from urdfcheck.model.rigid_bodies import compute_body_mass, find_merged_body, is_world_link
+from urdfcheck.model.stated_reasons import is_called_massless
+from urdfcheck.model.use.project_texts import list_project_texts
+from urdfcheck.model.use.simulators import has_elements, is_simulated_hardware
 
 # MuJoCo's mjMINVAL: programs treat less as zero.
 ZERO = 1e-15
@@ -34,6 +39,13 @@ WELDED = {
 LIGHT = "loads it without mass"
 NAN = "computes NaN accelerations: the joint moves no mass (Drake stops with an error)"
 SEVERITIES = {"root": Severity.INFO, "loose": Severity.WARNING}
+# An inertia below this share of the body's smallest moment changes it by less than the cable of a part does (as in INR005).
+_FELT = 0.02
+# Programs that lose a body without mass, or refuse it, whatever hangs on it, as files name them.
+_LOSING = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|mujoco|isaac", re.IGNORECASE)
+_WRITE = "write the mass; if the link only marks a frame, remove its <inertial> or set the inertia to 0 too"
+_WRITE_ONCE = "write the mass, unless that of {} includes it: then set the inertia to 0 too"
+_REMOVE = "remove its <inertial> or set the inertia to 0 too if the link only marks a frame; otherwise write the mass"
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -64,13 +76,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             kinds = [(declared, kind) for declared, kind in kinds if kind != "loose"]
         # One list: a program that refuses the file does so for either.
         kinds = [(declared, "zero" if kind == "loose" else kind) for declared, kind in kinds]
+    severities = SEVERITIES
+    if _are_joining_frames(model, [one.link for one, kind in kinds if kind == "zero"], carrying):
+        severities = {**SEVERITIES, "zero": Severity.WARNING}
     for declared, kind in kinds:
         if kind != "helper":
             without = LIGHT if model.tree.list_body_links(declared.link.name)[0] in carrying else NAN
             yield rule.finding(
                 kind,
                 at=declared.attribute,
-                severity=SEVERITIES.get(kind),
+                severity=severities.get(kind),
                 consequences={} if kind == "root" else dict.fromkeys(("pinocchio", "drake"), without),
                 link=declared.link.name,
             )
@@ -102,22 +117,51 @@ def _classify_massless_link(model: Model, link: Link) -> str:
     return "root" if drawn or carries else "helper"
 
 
+def _are_joining_frames(model: Model, links: Sequence[Link], carrying: AbstractSet[str]) -> bool:
+    """Whether links without mass are the frames between the axes of joints of several degrees of freedom, which nothing draws and
+    which carry a mass: Pinocchio, Drake and Bullet compute with them.
+
+    Either a comment says that they have no mass, or neither the robot nor its package is for a program that loses them.
+    """
+    bodies = [model.tree.list_body_links(link.name) for link in links]
+    parts = [model.link_by_name[name] for body in bodies for name in body]
+    if not all(body[0] in carrying for body in bodies) or any(part.visuals or part.collisions for part in parts):
+        return False
+    if has_elements(model):
+        return False
+    if all(is_called_massless(model, link.element) for link in links):
+        return True
+    controls = model.robot.find_children("ros2_control")
+    return not any(map(is_simulated_hardware, controls)) and not any(map(_LOSING.search, list_project_texts(model)))
+
+
 def _build_massless_inertia_finding(model: Model, rule: Rule, declared: DeclaredMass, *, largest: float) -> Finding:
     """Report an inertia without mass; on the root it is a warning at most, because Bullet fixes a base of mass 0 to the world."""
     link, welded = declared.link, _is_welded(model, declared.link)
     fused = not _is_isolated(model, link)
     is_root = welded and link.name == model.tree.root
+    merged = find_merged_body(model, link) if fused else None
+    # Drake alone, which gives the link a mass, then moves the body otherwise.
+    is_lost = merged is not None and largest <= _FELT * merged.moments[0] and "drake" not in model.targets
     # Of a body alone it is Bullet's way to say that it never moves.
     lowered = Severity.WARNING if any(joint.is_movable for joint in model.joints) else Severity.INFO
     consequences = FUSED if fused else BASE if welded else ALONE
     return rule.finding(
         "base" if is_root else "inertia_without_mass",
         at=declared.attribute,
-        severity=lowered if is_root else None,
+        severity=lowered if is_root else Severity.WARNING if is_lost else None,
         consequences={**consequences, "mujoco": BASE["mujoco"]} if welded else consequences,
         link=link.name,
         largest=largest,
+        repair=_describe_repair(link, "" if merged is None else merged.heaviest),
     )
+
+
+def _describe_repair(link: Link, carrier: str) -> str:
+    """Say what to do about an inertia without mass; ``carrier``: the heaviest link that it is fixed to, empty for none."""
+    if not carrier:
+        return _WRITE
+    return _WRITE_ONCE.format(carrier) if link.visuals or link.collisions else _REMOVE
 
 
 def _predict_negative(model: Model, link: Link) -> dict[str, str]:

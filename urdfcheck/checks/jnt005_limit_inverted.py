@@ -14,12 +14,23 @@ from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still, list_sen
 from urdfcheck.model.motion.controllers import collect_controlled_joints
 from urdfcheck.model.repairs.edits import swap_values
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
+from urdfcheck.model.use.other_programs import names_bullet
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
 
 # Kilograms.
 _GRAM = 1e-3
 # What a wheel is, unless it is not to turn.
 _CONTINUOUS = 'write type="continuous" if the wheel turns, or make the joint fixed'
+
+# The limits by which Bullet's own files and its parser say that a joint has none (lower 0, upper -1), and a copy of them.
+_ENDLESS = frozenset({(0.0, -1.0), (1.0, -1.0)})
+# How to say so for all programs, by the type of the joint.
+_FREE = {
+    "revolute": 'write type="continuous" if the joint turns without limits, as Bullet reads it',
+    "prismatic": "write limits that it does not reach if the joint slides without limits, as Bullet reads it",
+}
+# The elements of a robot that is for other programs, too.
+_OF_OTHERS = ("gazebo", "mujoco", "ros2_control", "transmission")
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -36,12 +47,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if lower == upper:
             equal.setdefault((lower, _is_empty(joint)), []).append(joint)
         else:
-            slip = "" if _is_mirrored(model, lower, upper) else _describe_lost_sign(lower, upper)
+            mirrored = _is_mirrored(model, lower, upper)
+            slip = "" if mirrored else _describe_lost_sign(lower, upper)
+            is_endless = not mirrored and (lower, upper) in _ENDLESS
+            swap = f"swap the two: lower {upper:g}, upper {lower:g}{slip}"
             yield rule.finding(
                 "inverted",
                 at=limit,
-                edits=[] if slip else swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
-                signed=slip,
+                severity=Severity.WARNING if is_endless and _is_for_bullet(model) else None,
+                edits=[]
+                if slip or is_endless
+                else swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
+                repair=f"{_FREE[joint.type]}; otherwise {swap}" if is_endless else swap,
                 joint=joint.name,
                 lower=lower,
                 upper=upper,
@@ -130,6 +147,11 @@ def _is_mirrored(model: Model, lower: float, upper: float) -> bool:
     return any(
         joint.get_limit_value("lower") == -lower and joint.get_limit_value("upper") == -upper for joint in model.joints
     )
+
+
+def _is_for_bullet(model: Model) -> bool:
+    """Whether files around the model name Bullet, and none of the robot's elements is for another program."""
+    return names_bullet(model) and not any(model.robot.find_child(tag) for tag in _OF_OTHERS)
 
 
 def _describe_lost_sign(lower: float, upper: float) -> str:

@@ -21,6 +21,12 @@ _VIRTUAL_PART = re.compile(
     r"\bvirtual\b|\bfor (?:the )?(?:visuali[sz]|display|rviz|tf)|\b(?:allows?|helps?) (?:\w+ )?(?:visuali[sz]|display)",
     re.IGNORECASE,
 )
+# A link that has no mass, and is to have none.
+_MASSLESS = re.compile(
+    r"\bmass-?less\b|\b(?:null|zero|no|without(?: a| any)?) mass(?:es)?\b|\b(?:fake|virtual|dummy|fictitious) (?:link|bod)",
+    re.IGNORECASE,
+)
+_FIRST_LINK = re.compile(r"<link\b")
 # What denies the words behind it: "not a virtual link", "no virtual joint", "isn't for visualization".
 _DENIAL = re.compile(r"(?:(?:\bnot|\bnever|n't)\s+(?:\w+\s+){0,2}|\b(?:no|non)[\s-]+)\Z", re.IGNORECASE)
 # Words that give a reason for the numbers. That they are dummies is none, for they may still have to be replaced; nor is that an
@@ -61,6 +67,18 @@ def is_called_dummy(model: Model, link: Element) -> bool:
 def is_called_virtual(model: Model, element: Element) -> bool:
     """Whether a comment right before a link or joint says that it is virtual, or there to be drawn."""
     return _says(_VIRTUAL_PART, model, element)
+
+
+def is_called_massless(model: Model, link: Element) -> bool:
+    """Whether a comment right before a link, or before the first link of its file, says that it or others have no mass."""
+    span = link.span
+    file = None if span is None else model.source.files.get(span.file)
+    if span is None or file is None:
+        return False
+    if _says(_MASSLESS, model, link):
+        return True
+    first = _FIRST_LINK.search(file.text)  # one in a comment is before the others, too
+    return first is not None and any(map(_MASSLESS.search, COMMENT.findall(file.text, 0, first.start())))
 
 
 def _says(words: re.Pattern[str], model: Model, element: Element) -> bool:

@@ -6,8 +6,10 @@ import re
 from collections.abc import Iterable
 
 from urdfcheck.core.text import compile_names
+from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
+from urdfcheck.source.package.package_folders import read_package_texts
 
 # The packages of ros_control that read transmissions, in manifests, launch files and scripts.
 _ROS_CONTROL = re.compile(
@@ -15,6 +17,7 @@ _ROS_CONTROL = re.compile(
 )
 # Programs that draw a COLLADA file as if it were in metres, in manifests and scripts.
 _UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|pydrake|\bdrake\b|newton", re.IGNORECASE)
+_BULLET = re.compile(r"pybullet")
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
 _SCAN_FILTER = re.compile(r"laser_filter|scan_filter|scan_to_scan_filter|LaserScan\w*Filter")
 # A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
@@ -47,6 +50,16 @@ def names_unitless_program(model: Model) -> bool:
 def names_ros_control(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, names what reads transmissions."""
     return any(map(_ROS_CONTROL.search, list_project_texts(model)))
+
+
+@fact
+def names_bullet(model: Model) -> bool:
+    """Whether a file of the model's package, or of one that depends on it, names PyBullet; without a package, one of the
+    project."""
+    source = model.source
+    project = None if source.package is not None else source.finder.find_project_above(source.path.absolute())
+    around = () if project is None else read_package_texts(project, source.finder.can_open)
+    return any(map(_BULLET.search, (*list_project_texts(model), *around)))
 
 
 def names_scan_filter(model: Model) -> bool:

@@ -1,0 +1,112 @@
+"""Values that are wrong for some programs only, in models that are not for them, and the repair that spoils least."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, limit, link, robot, visual
+
+from urdfcheck.core import Severity
+
+ZERO = inertial(0, 0)
+HEAVY = inertial(1, 0.01)
+FAKE = "<!-- for Gazebo replace the null masses of the fake links -->"
+
+
+def make_ball_joint(more: str = "", *, first: str = ZERO, last: str = HEAVY) -> str:
+    """Return two joints with a frame between them, that carries a link."""
+    return robot(
+        more,
+        link("base", HEAVY),
+        link("frame", first),
+        link("arm", last),
+        joint("roll", "base", "frame", kind="continuous", axis="1 0 0"),
+        joint("pitch", "frame", "arm", kind="continuous", axis="0 1 0"),
+    )
+
+
+@pytest.mark.parametrize(
+    ("text", "script", "severity"),
+    [
+        (make_ball_joint(), "", Severity.WARNING),
+        (make_ball_joint(), "spawn in gazebo_ros", Severity.ERROR),
+        (make_ball_joint(FAKE), "spawn in gazebo_ros", Severity.WARNING),
+        (make_ball_joint("<gazebo><static>false</static></gazebo>"), "", Severity.ERROR),
+        (make_ball_joint(first=ZERO + visual(box("1 1 1"))), "", Severity.ERROR),
+        (make_ball_joint(last=ZERO), "", Severity.ERROR),
+    ],
+)
+def test_frames_without_mass_between_two_axes_matter_to_those_that_drop_them(
+    tmp_path: Path, text: str, script: str, severity: Severity
+) -> None:
+    (tmp_path / "start.py").write_text(script)
+    found = find(tmp_path, text, "INR002")
+    assert {f.severity for f in found if f.message_id == "zero"} == {severity}
+
+
+@pytest.mark.parametrize(
+    ("moment", "drawing", "targets", "severity", "repair"),
+    [
+        (1e-6, "", (), Severity.WARNING, "remove its <inertial>"),
+        (1e-6, visual(box("1 1 1")), (), Severity.WARNING, "write the mass, unless that of arm includes it"),
+        (1e-6, "", ("drake",), Severity.ERROR, "remove its <inertial>"),
+        (1e-3, "", (), Severity.ERROR, "remove its <inertial>"),
+    ],
+)
+def test_an_inertia_without_mass_is_lost_in_the_body_it_is_fixed_to(
+    tmp_path: Path, moment: float, drawing: str, targets: tuple[str, ...], severity: Severity, repair: str
+) -> None:
+    more = link("tcp", inertial(0, moment), drawing) + joint("tcp_joint", "arm", "tcp")
+    text = arm_on_base(HEAVY, base=HEAVY, axis="0 0 1", more=more)
+    (finding,) = find(tmp_path, text, "INR002", targets=targets)
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("shape", "repair"),
+    [
+        (box("0 0 0"), "remove this <collision>"),
+        (cylinder(0, 0), "remove this <collision>"),
+        (cylinder(0.1, 0), "write the real length"),
+        (box("1 1 0"), "write the real size"),
+    ],
+)
+def test_a_shape_without_any_size_is_removed(tmp_path: Path, shape: str, repair: str) -> None:
+    for finding in (found := find(tmp_path, robot(link("a", HEAVY, collision(shape))), "GEO001")):
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
+    assert found
+
+
+FREE = 'write type="continuous" if the joint turns without limits, as Bullet reads it; otherwise swap the two'
+
+
+@pytest.mark.parametrize(
+    ("ends", "kind", "script", "more", "severity", "repair"),
+    [
+        ((0, -1), "revolute", "import pybullet", "", Severity.WARNING, FREE),
+        ((1, -1), "prismatic", "import pybullet", "", Severity.WARNING, "write limits that it does not reach"),
+        ((1, -1), "revolute", "import pybullet", "<gazebo/>", Severity.ERROR, FREE),
+        ((1, -1), "revolute", "", "", Severity.ERROR, FREE),
+        ((2, -1), "revolute", "import pybullet", "", Severity.ERROR, "swap the two: lower -1, upper 2"),
+    ],
+)
+def test_bullet_reads_lower_above_upper_as_no_limit(
+    tmp_path: Path,
+    ends: tuple[float, float],
+    kind: str,
+    script: str,
+    more: str,
+    severity: Severity,
+    repair: str,
+) -> None:
+    (tmp_path / "simulate.py").write_text(script)
+    arm = joint("j", "a", "b", limit(*ends, 1, 1), kind=kind, axis="0 0 1")
+    (finding,) = find(tmp_path, robot(link("a"), link("b"), arm, more), "JNT005")
+    assert (finding.severity, finding.message_id) == (severity, "inverted")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert bool(finding.fix.edits) == (ends == (2, -1))
