@@ -110,3 +110,21 @@ def test_bullet_reads_lower_above_upper_as_no_limit(
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
     assert bool(finding.fix.edits) == (ends == (2, -1))
+
+
+@pytest.mark.parametrize(
+    ("script", "severity"),
+    [
+        ("import pybullet as p\np.loadURDF('ball.urdf')", Severity.WARNING),
+        ("import pybullet as p\np.loadURDF('ball.urdf', flags=p.URDF_USE_INERTIA_FROM_FILE)", Severity.ERROR),
+        ("import pybullet as p\np.loadURDF('other.urdf')", Severity.ERROR),
+        ("import mujoco, pybullet\nload('ball.urdf')", Severity.ERROR),
+        ("", Severity.ERROR),
+    ],
+)
+def test_bullet_computes_the_inertia_of_what_collides_itself(tmp_path: Path, script: str, severity: Severity) -> None:
+    (tmp_path / "run.py").write_text(script)
+    shape = box("0.01 0.01 0.01")
+    text = robot(link("ball", inertial(0.0013, 1), visual(shape), collision(shape)))
+    (finding,) = find(tmp_path, text, "INR007", name="ball.urdf")
+    assert finding.severity is severity

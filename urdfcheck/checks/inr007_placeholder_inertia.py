@@ -29,6 +29,8 @@ from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
 from urdfcheck.model.use.display import is_loaded_for_frames, is_made_for_display, is_never_weighed
+from urdfcheck.model.use.other_programs import is_weighed_by_bullet
+from urdfcheck.model.use.simulators import has_elements
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -316,7 +318,10 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     about their own length is off, or the model is only displayed; None: as the page says."""
     if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
         return Severity.INFO
-    return Severity.ERROR if any(_is_vast(model, suspect) for suspect in known) else None
+    if not any(_is_vast(model, suspect) for suspect in known):
+        return None
+    has_shapes = all(suspect.declared.link.collisions for suspect in known)
+    return None if has_shapes and not has_elements(model) and is_weighed_by_bullet(model) else Severity.ERROR
 
 
 def _is_vast(model: Model, suspect: _PlaceholderInertial) -> bool:

@@ -9,7 +9,7 @@ from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
-from urdfcheck.source.package.package_folders import read_package_texts
+from urdfcheck.source.package.package_folders import drop_comments, read_package_texts
 
 # The packages of ros_control that read transmissions, in manifests, launch files and scripts.
 _ROS_CONTROL = re.compile(
@@ -18,6 +18,8 @@ _ROS_CONTROL = re.compile(
 # Programs that draw a COLLADA file as if it were in metres, in manifests and scripts.
 _UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|pydrake|\bdrake\b|newton", re.IGNORECASE)
 _BULLET = re.compile(r"pybullet")
+# What has Bullet read the inertias of a file, and other programs that read them.
+_OTHER_INERTIA = re.compile(r"URDF_USE_INERTIA_FROM_FILE|gazebo|ros_gz|mujoco|pydrake|isaac|pinocchio", re.IGNORECASE)
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
 _SCAN_FILTER = re.compile(r"laser_filter|scan_filter|scan_to_scan_filter|LaserScan\w*Filter")
 # A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
@@ -52,14 +54,27 @@ def names_ros_control(model: Model) -> bool:
     return any(map(_ROS_CONTROL.search, list_project_texts(model)))
 
 
-@fact
 def names_bullet(model: Model) -> bool:
     """Whether a file of the model's package, or of one that depends on it, names PyBullet; without a package, one of the
     project."""
+    return any(map(_BULLET.search, _list_texts_around(model)))
+
+
+def is_weighed_by_bullet(model: Model) -> bool:
+    """Whether all files that name the model's own file load it into PyBullet, and none says to read the inertias of the file:
+    then Bullet computes them from the collision shapes."""
+    own = compile_names((model.source.path.name,))
+    naming = [text for text in _list_texts_around(model) if own.search(text)]
+    return bool(naming) and all(_BULLET.search(text) and not _OTHER_INERTIA.search(text) for text in naming)
+
+
+@fact
+def _list_texts_around(model: Model) -> tuple[str, ...]:
+    """List the texts of the model's package and of those that depend on it; without a package, those of the project."""
     source = model.source
     project = None if source.package is not None else source.finder.find_project_above(source.path.absolute())
     around = () if project is None else read_package_texts(project, source.finder.can_open)
-    return any(map(_BULLET.search, (*list_project_texts(model), *around)))
+    return (*list_project_texts(model), *map(drop_comments, around))
 
 
 def names_scan_filter(model: Model) -> bool:
