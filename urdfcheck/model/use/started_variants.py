@@ -74,7 +74,7 @@ class StartedVariant:
 
     @property
     def shown(self) -> dict[str, Any]:
-        """What texts say of it: its arguments, the defaults that are to be theirs, and the file that passes them."""
+        """What a finding shows: its arguments, the defaults that repair it, and the file that passes them."""
         return {
             "arguments": join_names([f"{name}:={value}" for name, value in self.arguments.items()], 3),
             "defaults": " and ".join(f"{name} the default `{value}`" for name, value in self.arguments.items()),

@@ -1,5 +1,5 @@
 """The launch files that pass an argument to another one in their project: roslaunch refuses an include that passes one which the
-file does not declare, unless it passes all of its own."""
+file does not declare, unless the include passes all that its file has."""
 
 from __future__ import annotations
 
