@@ -108,7 +108,7 @@ HAND = '<link name="palm"/>' + "".join(
     f'''<link name="{side}_{i}"><inertial><origin xyz="0 0 {i}"/><mass value="1"/>
     <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="{izz}"/></inertial></link>
     <joint name="j_{side}_{i}" type="revolute"><parent link="palm"/><child link="{side}_{i}"/>
-    <limit lower="1" upper="-{i}" effort="1" velocity="1"/></joint>'''
+    <limit lower="3" upper="-{i}" effort="1" velocity="1"/></joint>'''
     for side, i, izz in (("left", 1, "0.5"), ("left", 2, "0.9"), ("right", 1, "0.6"), ("right", 2, "0.8"))
 )
 
@@ -148,7 +148,7 @@ class TestKinds:
 
     def test_a_headline_about_numbers_is_that_of_the_first(self, tmp_path: Path) -> None:
         (found,) = find(write_robots(tmp_path, "", hand=HAND), "JNT005").findings
-        assert found.headline == "j_left_1: lower 1 is above upper -1 rad (+3 more)"
+        assert found.headline == "j_left_1: lower 3 is above upper -1 rad (+3 more)"
         assert found.fix is not None
         titles = [own.fix.title for own in found.occurrences if own.fix is not None]
         assert len(set(titles)) > 1
@@ -164,7 +164,7 @@ class TestKinds:
 
     def test_other_causes_and_other_repairs_stay_apart(self, tmp_path: Path) -> None:
         """Of one only the zeros are missing: this can be written, the other must be computed again."""
-        bodies = HAND.replace('<limit lower="1" upper="-1"', '<limit lower="0" upper="0"')
+        bodies = HAND.replace('<limit lower="3" upper="-1"', '<limit lower="0" upper="0"')
         assert {f.message_id for f in find(write_robots(tmp_path, "", hand=bodies), "JNT005").findings} == {
             "inverted",
             "equal",

@@ -104,8 +104,8 @@ def _list_sharing_files(model: Model, name: Attribute, meant: str | None) -> lis
 
 
 def _describe_call(name: Attribute, near: str | None, tag: str) -> str:
-    """Say that a call of a macro gives the wrong part of a name; empty where what the call gives is in the similar joint's name,
-    so that the macro itself has the slip."""
+    """Say that a call of a macro gives the wrong part of a name; empty where it gives the whole name, which is written there, and
+    where what it gives is in the similar joint's name, so that the macro itself has the slip."""
     handed = next((d for d in name.collect_definitions() if d.kind == "parameter"), None)
     if (
         handed is None
@@ -113,6 +113,7 @@ def _describe_call(name: Attribute, near: str | None, tag: str) -> str:
         or not handed.value
         or handed.value in near
         or f"{{{handed.name}}}" not in name.typed
+        or name.typed == f"${{{handed.name}}}"
     ):
         return ""
     entry = "transmission" if tag == "transmission" else "entry"
