@@ -77,33 +77,34 @@ def _check_repeated_names(
 ) -> Iterator[Finding]:
     """Report parts of one name. ``holders``: the joints of which a link is the child, by its name."""
     first: dict[str, Link | Joint] = {}
-    for part in parts:
-        if part.name and first.setdefault(part.name, part) is not part:
-            at, other = _locate_name(part), _locate_name(first[part.name])
-            shared = _find_shared_value(first[part.name], part)
-            held = holders.get(part.name, ())
-            needed = _find_needed_variant(model, kind)
-            if needed is not None:
-                yield rule.finding(
-                    "default",
-                    at=at,
-                    related=[other, *needed.list_declarations()],
-                    severity=Severity.WARNING,
-                    kind=kind,
-                    called=part.name,
-                    **needed.shown,
-                )
-                continue
+    again = [part for part in parts if part.name and first.setdefault(part.name, part) is not part]
+    needed = _find_needed_variant(model, kind) if again else None
+    for part in again:
+        at, other = _locate_name(part), _locate_name(first[part.name])
+        if needed is not None:
             yield rule.finding(
-                "repeated" if shared is None else "passed",
-                at=at if shared is None else Location(at.subject, shared.span, shared.via),
-                related=[other] if shared is None else [*shared.related, at, other],
-                consequences={"mujoco": MUJOCO[kind]},
+                "default",
+                at=at,
+                related=[other, *needed.list_declarations()],
+                severity=Severity.WARNING,
                 kind=kind,
                 called=part.name,
-                why="" if shared is None else shared.why,
-                repair=_describe_renaming(first[part.name], part, held) if shared is None else shared.repair,
+                **needed.shown,
             )
+            continue
+        shared = _find_shared_value(first[part.name], part)
+        yield rule.finding(
+            "repeated" if shared is None else "passed",
+            at=at if shared is None else Location(at.subject, shared.span, shared.via),
+            related=[other] if shared is None else [*shared.related, at, other],
+            consequences={"mujoco": MUJOCO[kind]},
+            kind=kind,
+            called=part.name,
+            why="" if shared is None else shared.why,
+            repair=_describe_renaming(first[part.name], part, holders.get(part.name, ()))
+            if shared is None
+            else shared.repair,
+        )
 
 
 def _describe_renaming(first: Link | Joint, second: Link | Joint, held: Sequence[str]) -> str:
