@@ -14,6 +14,10 @@ from urdfcheck.policy.consumers import get_verdict, is_news
 _OF_ANOTHER_PLACE = frozenset({"PKG001", "PKG004", "XML009"})
 
 
+# What the subject of an argument of xacro begins with.
+_ARGUMENT = "argument["
+
+
 def split_unrequested(
     findings: Iterable[Finding], rules: Mapping[str, Rule], *, unrequested: frozenset[str], targets: Sequence[str]
 ) -> tuple[list[Finding], list[Finding]]:
@@ -54,6 +58,35 @@ def split_for_tests(
             reported.append(finding)
         else:
             note = replace(finding, severity=min(finding.severity, Severity.INFO))
+            (left_out if finding.code in unrequested else reported).append(note)
+    return reported, left_out
+
+
+def list_argument_names(finding: Finding) -> list[str]:
+    """List the arguments of the model whose values a finding is about, by the places that it names."""
+    subjects = (place.subject for place in (finding.location, *finding.related))
+    return [subject[len(_ARGUMENT) : -1] for subject in subjects if subject.startswith(_ARGUMENT)]
+
+
+def split_replaced_defaults(
+    findings: Iterable[Finding], rules: Mapping[str, Rule], *, replaced: AbstractSet[str], unrequested: frozenset[str]
+) -> tuple[list[Finding], list[Finding]]:
+    """Do the same for the errors and warnings that defaults of arguments cause which no file that starts the model leaves as they
+    are: these are notes on request. ``replaced``: these arguments.
+
+    So is what the masses and sizes of the whole robot lead to, for it starts with others.
+    """
+    reported: list[Finding] = []
+    left_out: list[Finding] = []
+    for finding in findings:
+        is_of_whole = (
+            finding.location.subject.startswith("robot[") and finding.message_id in rules[finding.code].dynamics
+        )
+        is_caused = bool(replaced) and (is_of_whole or not replaced.isdisjoint(list_argument_names(finding)))
+        if not is_caused or finding.severity == Severity.INFO or finding.suppressed is not None or finding.blocks_check:
+            reported.append(finding)
+        else:
+            note = replace(finding, severity=Severity.INFO)
             (left_out if finding.code in unrequested else reported).append(note)
     return reported, left_out
 

@@ -13,19 +13,22 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from itertools import groupby
+from pathlib import Path
 from typing import Any
 
-from urdfcheck.core import Finding, Rule, SkippedCheck, Span
+from urdfcheck.core import Finding, Rule, Severity, SkippedCheck, Span
 from urdfcheck.core.merging import merge_same_text
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import format_count
+from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.gazebo import is_posed
 from urdfcheck.policy.consumers import SIMULATORS, apply_severity_policy
 from urdfcheck.policy.fix_safety import lead_to_xacro, mark_unsafe_across_models, mark_unsafe_in_model
 from urdfcheck.policy.on_request import (
     leave_out_dynamics,
     leave_out_unfelt_dynamics,
+    list_argument_names,
     split_for_tests,
+    split_replaced_defaults,
     split_unrequested,
 )
 from urdfcheck.policy.policy import Policy
@@ -83,11 +86,14 @@ def finalize_unit_findings(
     root: Element | None,
     texts: Mapping[str, str] | None = None,
     joins_simulated: bool = True,
+    find_replaced_defaults: Callable[[AbstractSet[str]], Mapping[str, Path]] | None = None,
 ) -> FinalFindings:
     """Turn the admitted findings of one unit into those of its report.
 
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
-    ``texts``: its files by name; ``joins_simulated``: whether what a simulation shows is joined to the finding that explains it.
+    ``texts``: its files by name; ``joins_simulated``: whether what a simulation shows is joined to the finding that explains it;
+    ``find_replaced_defaults``: returns those of the model's arguments whose defaults no file that starts it leaves as they are,
+    each with such a file.
     """
     located = locate_typed_values(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
@@ -102,11 +108,16 @@ def finalize_unit_findings(
         marked = leave_out_dynamics(marked, rules)
     elif root is not None and is_posed(root) and (SIMULATORS - {"gazebo"}).isdisjoint(policy.targets):
         marked = leave_out_unfelt_dynamics(marked, rules)
+    replaced = _find_replaced_defaults(marked, find_replaced_defaults)
+    marked, of_defaults = split_replaced_defaults(
+        marked, rules, replaced=replaced.keys(), unrequested=frozenset() if policy.pedantic else policy.unrequested
+    )
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
     if joins_simulated:
         remaining = join_explained(remaining, rules)
     wanted, unrequested = _split_unrequested(remaining, rules, policy)
+    unrequested += of_defaults
     safe = mark_unsafe_in_model(wanted, root)
     listed, unlisted = limit_number(sorted(safe, key=get_sort_key))
     skips = [
@@ -123,6 +134,8 @@ def finalize_unit_findings(
         for finding in remaining
         for code in list_held_back(finding)
     ]
+    if of_defaults:
+        skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _describe_defaults(replaced), is_partial=True))
     if policy.is_kept_aside and unrequested:
         skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _KEPT_ASIDE, is_partial=True))
     elif policy.is_for_tests and unrequested:
@@ -137,6 +150,24 @@ def finalize_unit_findings(
         needed_comments=frozenset(needed),
         size=size,
         unlisted=tuple(skips),
+    )
+
+
+def _find_replaced_defaults(
+    findings: Iterable[Finding], find: Callable[[AbstractSet[str]], Mapping[str, Path]] | None
+) -> Mapping[str, Path]:
+    """Return the arguments that errors and warnings are about and whose defaults no file that starts the model leaves."""
+    names = {name for f in findings if f.severity > Severity.INFO for name in list_argument_names(f)}
+    return {} if find is None or not names else find(names)
+
+
+def _describe_defaults(replaced: Mapping[str, Path]) -> str:
+    """Say why what defaults cause is not listed, and how to check the model with what it is started with."""
+    names = join_names(list(replaced), 4)
+    first, starter = next(iter(replaced.items()))
+    defaults, others = ("default", "another value") if len(replaced) == 1 else ("defaults", "other values")
+    return (
+        f"they come from the {defaults} of {names}; {starter.name} passes {others}: check with these, --arg {first}:=…"
     )
 
 

@@ -12,6 +12,7 @@ import os
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from functools import cache, partial
 from pathlib import Path
@@ -390,6 +391,15 @@ class _UnitAudit:
             "package", replace(package, finder=self.make_finder(folder), is_fully_checked=self.unit.is_explicit)
         )
 
+    def find_replaced_defaults(self, names: AbstractSet[str]) -> Mapping[str, Path]:
+        """Return those of these arguments whose defaults no file that starts the model leaves, each with such a file."""
+        source = self.source
+        if source is None or source.root is None:
+            return {}
+        from urdfcheck.model.use.started_variants import find_replaced_defaults  # few findings are about arguments
+
+        return self.run_guarded("defaults", lambda: find_replaced_defaults(source, names)) or {}
+
     # -- running checks ----------------------------------------------------------------------------------------
 
     def run_checks(self, scope: str, subject: Any) -> None:
@@ -490,6 +500,7 @@ class _UnitAudit:
             root=root,
             texts=self.texts,
             joins_simulated=not self.options.drop,  # there it is what was asked for
+            find_replaced_defaults=self.find_replaced_defaults,
         )
         usages = assess_comments(
             comments,

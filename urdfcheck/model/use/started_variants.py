@@ -26,6 +26,7 @@ from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.ros.srdf import read_setup_arguments
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.usage import iter_elements_by_tag
 from urdfcheck.system.files import read_text_or_nothing
@@ -141,20 +142,46 @@ def find_passing_starter(source: Source, names: Collection[str]) -> Path | None:
     return first
 
 
+def find_replaced_defaults(source: Source, names: Collection[str]) -> dict[str, Path]:
+    """Return those of a model's arguments whose default is a number that no file which starts the model leaves as it is.
+
+    Each with the first of these files: what it passes is another number, or is computed at launch.
+    """
+    defaults = {
+        name: number for name, text in _read_defaults(source).items() if (number := parse_number(text)) is not None
+    }
+    wanted = [name for name in sorted(names) if name in defaults and name not in source.arguments]
+    sets = list(_iter_argument_sets(source)) if wanted else []
+
+    def replaces(starter: Path, passed: Mapping[str, str], name: str) -> bool:
+        if name in passed:
+            return parse_number(passed[name]) != defaults[name]
+        return may_pass_argument(starter, name)
+
+    return {
+        name: sets[0][0] for name in wanted if sets and all(replaces(starter, passed, name) for starter, passed in sets)
+    }
+
+
 @lru_cache(maxsize=1)
 def _list_changes(source: Source) -> tuple[tuple[Path, Mapping[str, str]], ...]:
     """Return the files that start a model, each with those arguments that are neither the model's nor its defaults."""
     if not source.is_xacro or source.package is None:
         return ()
-    now: dict[str, str] = {}
-    for declared in iter_elements_by_tag(source.trees, "xacro:arg"):  # of several defaults, xacro takes the first
-        if "default" in declared.attributes:
-            now.setdefault(declared.get("name"), declared.get("default"))
-    now |= source.arguments
+    now = {**_read_defaults(source), **source.arguments}
     return tuple(
         (starter, {name: value for name, value in passed.items() if name in now and value != now[name]})
         for starter, passed in _iter_argument_sets(source)
     )
+
+
+def _read_defaults(source: Source) -> dict[str, str]:
+    """Return the defaults of a model's arguments: of several, xacro takes the first."""
+    found: dict[str, str] = {}
+    for declared in iter_elements_by_tag(source.trees, "xacro:arg"):
+        if "default" in declared.attributes:
+            found.setdefault(declared.get("name"), declared.get("default"))
+    return found
 
 
 def _iter_argument_sets(source: Source) -> Iterator[tuple[Path, Mapping[str, str]]]:

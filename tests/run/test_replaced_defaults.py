@@ -1,0 +1,74 @@
+"""Defaults of arguments that every file which starts a model replaces: what they alone cause is not listed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check
+
+from urdfcheck.core import Run, SkippedCheck
+from urdfcheck.policy.on_request import list_argument_names
+
+ARM = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
+<xacro:arg name="mass" default="0.0"/><xacro:arg name="length" default="0.0"/>
+<link name="base"/>
+<joint name="j" type="continuous"><parent link="base"/><child link="rod"/><axis xyz="0 0 1"/></joint>
+<link name="rod"><inertial><mass value="$(arg mass)"/><inertia ixx="1e-6" ixy="0" ixz="0" iyy="1e-6" iyz="0" izz="{}"/></inertial>
+<collision><geometry><cylinder radius="0.01" length="$(arg length)"/></geometry></collision></link></robot>"""
+PACKAGE = "<package><name>arm</name></package>"
+XACRO = "PathJoinSubstitution([FindPackageShare('arm'), 'urdf', 'arm.urdf.xacro'])"
+# What a program knows at launch only.
+COMPUTED = f"Command(['xacro ', {XACRO}, ' mass:=', str(values['m']), ' length:=', str(values['l'])])"
+
+
+def find(folder: Path, launches: dict[str, str], *, largest: str = "1e-6", **settings: object) -> Run:
+    files = {"package.xml": PACKAGE, "urdf/arm.urdf.xacro": ARM.format(largest), **launches}
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    return check(folder / "urdf/arm.urdf.xacro", codes={"INR002", "INR003", "GEO001"}, **settings)
+
+
+def list_codes(run: Run) -> list[str]:
+    return sorted(finding.code for finding in run.findings)
+
+
+def test_they_are_not_listed_and_the_run_says_so(tmp_path: Path) -> None:
+    run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, unrequested=frozenset({"INR002", "GEO001"}))
+    assert list_codes(run) == []
+    assert sorted(note.code for note in run.unrequested) == ["GEO001", "INR002"]
+    (skip,) = (skip for skip in run.skipped if skip.code == SkippedCheck.FINDINGS)
+    assert skip.is_partial
+    assert "the defaults of length, mass; arm.launch.py passes other values" in skip.reason
+
+
+@pytest.mark.parametrize(
+    "launches",
+    [
+        {},
+        {"launch/arm.launch.py": COMPUTED, "launch/view.launch.py": f"Command(['xacro ', {XACRO}])"},
+        {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' mass:=0 length:=0.0'])"},
+        {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' colour:=', colour])"},
+    ],
+    ids=["no launch file", "one leaves them", "the same numbers", "another argument"],
+)
+def test_defaults_that_a_start_may_leave_are_reported(tmp_path: Path, launches: dict[str, str]) -> None:
+    run = find(tmp_path, launches, unrequested=frozenset({"INR002", "GEO001"}))
+    assert list_codes(run) == ["GEO001", "INR002"]
+
+
+def test_what_is_typed_in_the_model_is_still_reported(tmp_path: Path) -> None:
+    run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, largest="1", unrequested=frozenset({"INR002", "GEO001"}))
+    (finding,) = run.findings
+    assert (finding.code, list_argument_names(finding)) == ("INR003", [])
+
+
+def test_another_known_number_is_not_the_default_either(tmp_path: Path) -> None:
+    passed = {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' mass:=0.2 length:=0.3'])"}
+    assert list_codes(find(tmp_path, passed, unrequested=frozenset({"INR002", "GEO001"}))) == []
+
+
+def test_a_given_argument_is_no_default(tmp_path: Path) -> None:
+    run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, arguments={"mass": "0"}, unrequested=frozenset({"INR002"}))
+    assert "INR002" in list_codes(run)
