@@ -37,7 +37,7 @@ _CLOUD_TYPE = re.compile(r"^(?:depth_camera|rgbd(?:_camera)?)$")
 _INERTIAL = re.compile(r"(?:^|_)(?:accel|gyro|imu)(?:_|$)", re.IGNORECASE)
 _SENSOR_BLOCK = re.compile(r"""<gazebo\s+reference\s*=\s*["']([^"'<>]+)["']\s*>(.*?)</gazebo\s*>""", re.DOTALL)
 _SENSOR = re.compile(r"<sensor\s([^<>]*)>")
-_ATTRIBUTE = re.compile(r"""(\w+)\s*=\s*["']([^"'<>]*)["']""")
+_ATTRIBUTE = re.compile(r"""(?<!\w)(\w+)\s*=\s*["']([^"'<>]*)["']""")
 # Words that a camera link and its optical frame add to the camera's name.
 _FRAME_SUFFIX = re.compile(r"_?(?:optical|frame|link|joint|parent)(?=_|$)")
 

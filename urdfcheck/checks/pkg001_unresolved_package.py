@@ -345,7 +345,8 @@ def _find_own_include(package: str, owner: Package | None, at: Location, source:
 
 
 def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
-    return all(source.finder.can_open(folder / name) and (folder / name).is_file() for name in files)
+    # os.path, because pathlib raises if a name is too long.
+    return all(source.finder.can_open(folder / name) and os.path.isfile(folder / name) for name in files)
 
 
 def _list_wanted_files(package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> set[str]:

@@ -37,7 +37,8 @@ _RUNNING_XACRO = (
 # A path of a mesh or texture in a package, which every program of ROS finds as package:// too.
 _RESOURCE = re.compile(r"((?:file://)?\$\(find ([\w.-]+)\))/[^$]*")
 _ARGUMENT = re.compile(r"\$\(arg ([\w.-]+)\)")
-_EXPRESSION = re.compile(r"(?<!\$)\$\{([^}]*)\}")
+# No other one is in it: without that, the end of each of many that nothing closes would be searched anew.
+_EXPRESSION = re.compile(r"(?<!\$)\$\{([^$}]*(?:\$(?!\{)[^$}]*)*)\}")
 _QUOTED = re.compile(r"'[^']*'|\"[^\"]*\"")
 # A name in an expression, which is neither an attribute nor an exponent.
 _NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")

@@ -67,7 +67,7 @@ _COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""
 _LACKING = re.compile(r"name '([^']+)' is not defined|unknown macro name: (\S+)")
 _DEFINED = re.compile(r"""<xacro:(?:arg|property|macro)\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # The names of model files, as launch files and scripts name them.
-MODEL_FILE = re.compile(r"[\w.-]*\w\.(?:urdf|xacro)\b")
+MODEL_FILE = re.compile(r"(?<![\w.-])[\w.-]*\w\.(?:urdf|xacro)\b")
 # `name:=value` of a command, {"name": value} and name="…" of Python and CMake, name: of yaml.
 _PASSED = re.compile(r"""(?<!\w)([A-Za-z_]\w*)["']?\s*(?::?=|:)""")
 

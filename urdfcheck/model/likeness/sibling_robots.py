@@ -13,6 +13,7 @@ from pathlib import Path
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
+from urdfcheck.source.model_file import EXPRESSION
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.system.files import read_regular, walk
@@ -23,7 +24,6 @@ _MOST_FILES = 200
 _LARGEST = 1_000_000
 _NAMED = re.compile(r"""<(joint|link)\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 _QUOTED = re.compile(r""""([^"<>]*)"|'([^'<>]*)'""")
-_EXPRESSION = re.compile(r"\$[({][^)}]*[)}]")
 _PIECE = re.compile(r"[^\W_]+")
 # A name with more expressions than this may become anything.
 _MOST_EXPRESSIONS = 3
@@ -99,7 +99,7 @@ class PackageNames:
         """The words of everything in quotes."""
         texts = [file.text for file in self.model.source.files.values()] + self._other_texts
         quoted = (found for text in texts for match in _QUOTED.finditer(text) for found in match.groups("") if found)
-        return frozenset(piece for found in quoted for piece in _PIECE.findall(_EXPRESSION.sub(" ", found)))
+        return frozenset(piece for found in quoted for piece in _PIECE.findall(EXPRESSION.sub(" ", found)))
 
     @cached_property
     def _other_texts(self) -> list[str]:
@@ -149,7 +149,7 @@ class _DeclaredNames:
             for match in _NAMED.finditer(text):
                 kind, name = match.group(1), match.group(2) or match.group(3) or ""
                 self.typed[kind].add(name)
-                fixed = _EXPRESSION.split(name)
+                fixed = EXPRESSION.split(name)
                 if len(fixed) == 1:
                     self.literal[kind].add(name)
                 elif len(fixed) - 1 > _MOST_EXPRESSIONS or len(name) > _LONGEST or "$" in "".join(fixed):

@@ -23,9 +23,9 @@ DiffLine = tuple[str, str]
 Piece = tuple[str, bool]
 
 # A value may go on in the next line.
-_ATTRIBUTE = re.compile(r"""[\w:.-]+\s*=\s*(?:"[^"]*(?:"|$)|'[^']*(?:'|$))""")
+_ATTRIBUTE = re.compile(r"""(?<![\w:.-])[\w:.-]+\s*=\s*(?:"[^"]*(?:"|$)|'[^']*(?:'|$))""")
 _TAG = re.compile(r"\s*<[\w:.-]+")
-_TAG_END = re.compile(r"\s*[/?]?>\s*$")
+_TAG_END = re.compile(r"(?<!\s)\s*[/?]?>\s*$")
 
 
 @dataclass(frozen=True, slots=True)

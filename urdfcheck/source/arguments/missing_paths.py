@@ -9,7 +9,7 @@ from pathlib import Path
 from urdfcheck.core.text import format_argument_option
 
 # An argument as xacro and ros2 launch take it.
-_ARGUMENT = re.compile(r"[A-Za-z_]\w*:=")
+_ARGUMENT = re.compile(r"(?<!\w)[A-Za-z_]\w*:=")
 # How similar a name must be to the one that is meant: two letters of nine may differ.
 _LIKENESS = 0.75
 # So many names of a folder are compared.

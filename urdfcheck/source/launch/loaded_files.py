@@ -15,10 +15,10 @@ from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.system.files import read_text_or_nothing
 
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
-_MODEL_NAME = re.compile(r"[\w.-]*\.(?:urdf|xacro)\b")
+_MODEL_NAME = re.compile(r"(?<![\w.-])[\w.-]*\.(?:urdf|xacro)\b")
 
 # What is typed of a computed name before the part that is computed: `"arm_" + kind`, `urdf/arm_$(arg kind)`, `f"arm_{kind}"`.
-_BEGIN_OF_NAME = re.compile(r"""([\w.-]+)(?:["']\s*[+,]|\$\(|\{)""")
+_BEGIN_OF_NAME = re.compile(r"""(?<![\w.-])([\w.-]+)(?:["']\s*[+,]|\$\(|\{)""")
 
 
 def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> bool:

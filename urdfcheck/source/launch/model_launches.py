@@ -27,7 +27,7 @@ from urdfcheck.system.files import read_regular
 
 _PUBLISHER = "static_transform_publisher"
 # The name of a yaml file, or what is typed of it behind an expression.
-_YAML_NAME = re.compile(rb"[\w.-]*\.ya?ml\b", re.ASCII)
+_YAML_NAME = re.compile(rb"(?<![\w.-])[\w.-]*\.ya?ml\b", re.ASCII)
 
 
 def find_model_launches(model: Path, finder: PackageFinder) -> tuple[Launch, ...]:

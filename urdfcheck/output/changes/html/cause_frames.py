@@ -18,7 +18,7 @@ MOST_CAUSES, FEWEST_FOLDED = 20, 3
 # Lines around those that changed.
 _CONTEXT = 2
 
-_ATTRIBUTE = re.compile(r"""[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*')""")
+_ATTRIBUTE = re.compile(r"""(?<![\w:.-])[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*')""")
 _BETWEEN_WORDS = frozenset(" \t\"'<>=")
 
 # File, line and text.
