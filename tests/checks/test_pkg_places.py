@@ -690,3 +690,19 @@ def test_what_the_setup_assistant_leaves_out_is_left_to_the_user(
         write(tmp_path, "p_moveit_config/.setup_assistant")
     found = check(tmp_path, codes={"PKG007"}).findings
     assert {name for finding in found for name in finding.data["names"]} == told
+
+
+def test_a_folder_that_lacks_the_file_is_not_the_package_where_another_of_its_name_has_it(tmp_path: Path) -> None:
+    write(tmp_path, "package.xml", text="<package format='3'><name>hands</name></package>")
+    write(tmp_path, "meshes/grip/fine/palm.stl", "meshes/grip/coarse/palm.stl")
+    finding = find(tmp_path / "urdf/grip/r.urdf", "package://grip/fine/palm.stl", code="PKG001")
+    assert not check(tmp_path / "urdf/grip/r.urdf", codes={"PKG002"}).findings
+    assert "hands has the file as meshes/grip/fine/palm.stl" in finding.message
+    assert finding.fix is not None
+    assert "write `package://hands/meshes/grip/fine/palm.stl`" in finding.fix.title
+
+
+def test_a_folder_takes_the_place_of_a_package_of_its_name_where_no_other_has_the_file(tmp_path: Path) -> None:
+    write(tmp_path, "package.xml", text="<package format='3'><name>hands</name></package>")
+    write(tmp_path, "meshes/grip/thumb.stl")
+    assert "urdf/grip/palm.stl" in find(tmp_path / "urdf/grip/r.urdf", "package://grip/palm.stl", code="PKG002").message

@@ -537,13 +537,16 @@ def _describe_places(files: Sequence[str], here: Mapping[str, Path], own: Sequen
 
 
 def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
-    """Return where the model's own package has a file of the same name as each of these; nothing unless each is there once."""
+    """Return where the model's own package has a file of the same name as each of these, or the same place in a folder that is
+    called as the package; nothing unless each is there once."""
     if not files or source.package is None:
         return []
     index = index_files([source.package.path])
-    found = [
-        [p for p in index.get(PurePosixPath(f).name.lower(), []) if p.name == PurePosixPath(f).name] for f in files
-    ]
+    found = []
+    for file in map(PurePosixPath, files):
+        named = [path for path in index.get(file.name.lower(), []) if path.name == file.name]
+        placed = [path for path in named if path.as_posix().endswith(f"/{'/'.join(file.parts[1:])}")]
+        found.append(placed if len(placed) == 1 else named)
     if any(len(paths) != 1 for paths in found):
         return []
     return [paths[0].relative_to(source.package.path).as_posix() for paths in found]

@@ -16,6 +16,7 @@ from urdfcheck.source.package.package_folders import (
     PackagesByName,
     SearchedFolders,
     find_nearest_folder,
+    list_folders_called,
     list_subfolders,
     read_manifest_name,
     walk_packages,
@@ -137,6 +138,7 @@ class PackageFinder:
         self._installed: dict[Path, InstalledFiles | None] = {}
         self._resources: dict[tuple[str, Path], Resource] = {}
         self._real_folders: dict[str, str] = {}
+        self._namesakes: dict[str, list[Path]] = {}
 
     def find(self, name: str) -> Path | None:
         """Return the folder of a package, or None."""
@@ -337,7 +339,17 @@ class PackageFinder:
             note_lookup(other / inside)
             if self.can_open(other / inside) and os.path.exists(other / inside):
                 return other / inside
-        return path
+        return None if self._has_namesake_with(name, inside) else path
+
+    def _has_namesake_with(self, name: str, inside: str) -> bool:
+        """Whether another folder of this name in the model's own package has a file: then the folder that lies nearest is not the
+        package, but one of several parts that are called so (``urdf/gripper``, ``meshes/gripper``)."""
+        own = self.find_package_of(self.start.absolute() / "package.xml")
+        if own is None or not inside:
+            return False
+        if name not in self._namesakes:
+            self._namesakes[name] = list_folders_called(name, own.path)
+        return any(self.can_open(f / inside) and os.path.isfile(f / inside) for f in self._namesakes[name])
 
     def describe_search_places(self) -> list[str]:
         """Describe where packages were searched, for the finding that one is missing."""

@@ -108,6 +108,16 @@ def list_subfolders(path: Path) -> list[Path]:
     return [path / name for name, _ in _list_folder(path)[1]]
 
 
+def list_folders_called(name: str, root: Path) -> list[Path]:
+    """Return the folders of a name below another one, without hidden ones."""
+    found: list[Path] = []
+    for here, folders, _ in walk(root):
+        folders[:] = [folder for folder in folders if not folder.startswith(".")]
+        if name in folders:
+            found.append(Path(here, name))
+    return found
+
+
 def read_manifest_name(folder: Path, allows: Callable[[Path], bool] = lambda _: True) -> str | None:
     """Return the name in the package.xml of a folder, or the folder's own for a package of rosbuild.
 
