@@ -1442,3 +1442,56 @@ def test_the_file_of_another_robot_of_a_series_is_not_proposed(tmp_path: Path, o
     (tmp_path / ".git").mkdir()
     (finding,) = find(tmp_path, files, "LCH001", name="arm_model/launch/a.launch")
     assert ("the only file of this name" in finding.message) is is_named
+
+
+@pytest.mark.parametrize(
+    ("written", "is_missing"),
+    [
+        ("run('xacro %s > %s' % (model, made))", False),
+        ("run(f'xacro {model} -o {made}')", False),
+        ("run('xacro ' + model + ' > ' + made)", False),
+        ("run('xacro {} > {}'.format(model, made))", False),
+        ("run(['xacro', model, '-o', made])", False),
+        ("open(made, 'w').write(text)", False),
+        ("Path(made).write_text(text)", False),
+        ("run(f'xacro {made} > {model}')", True),
+        ("open(made)", True),
+    ],
+)
+def test_a_model_that_the_launch_file_in_python_writes_is_not_missing(
+    tmp_path: Path, written: str, is_missing: bool
+) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    launch = tmp_path / "car/launch/car.launch.py"
+    launch.write_text(f"made = join(get_package_share_directory('car'), 'urdf', 'made.urdf')\n{written}\n")
+    assert [f.message_id for f in check(launch, codes={"LCH001"}).findings] == (["named"] if is_missing else [])
+
+
+@pytest.mark.parametrize(("argument", "is_missing"), [("made", False), ("other", True)])
+def test_a_model_whose_path_an_argument_says_may_be_written_by_the_launch_file(
+    tmp_path: Path, argument: str, is_missing: bool
+) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    launch = tmp_path / "car/launch/car.launch.py"
+    launch.write_text(
+        f"path = LaunchConfiguration({argument!r}).perform(context)\n"
+        "run('xacro %s > %s' % (model, path))\n"
+        "made = [join(get_package_share_directory('car'), 'urdf', 'made.urdf')]\n"
+        "DeclareLaunchArgument('made', default_value=made)\n"
+    )
+    assert [f.message_id for f in check(launch, codes={"LCH001"}).findings] == (["named"] if is_missing else [])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("$(find car)/urdf/a.xacro -o $(find car)/urdf/made.urdf", "unknown"),
+        ("-o $(find car)/urdf/made.urdf.bak $(find car)/urdf/made.urdf", "file"),
+    ],
+)
+def test_a_model_that_the_launch_file_writes_with_xacro_is_not_missing(
+    tmp_path: Path, arguments: str, message: str
+) -> None:
+    node = f'<node pkg="xacro" type="xacro" name="x" args="{arguments}"/>'
+    (finding,) = find_in_package(tmp_path, node + load("$(find car)/urdf/made.urdf"), "LCH001")
+    assert finding.message_id == message

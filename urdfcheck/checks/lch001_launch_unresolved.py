@@ -35,6 +35,7 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
+from urdfcheck.source.launch.written_files import writes_file
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES, is_launch
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
@@ -276,6 +277,8 @@ def _check_description(
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file" and (made := _describe_maker(obstacle.name, launch.finder)) is not None:
         yield build_unknown(made[0], repair=made[1])
+    elif obstacle.kind == "file" and _is_written_here(obstacle.name, launch):
+        yield build_unknown(f"the launch file writes {Path(obstacle.name).name} itself")
     elif obstacle.kind == "file":
         is_right = partial(makes_robot, finder=launch.finder)
         beside = _describe_neighbours(obstacle.name, launch.finder, is_right, is_expanded=description.uses_xacro)
@@ -320,6 +323,12 @@ def _has_own_model(package: Package) -> bool:
 def _is_generated(name: str, launch: Path) -> bool:
     """Whether git ignores a missing file."""
     return is_git_ignored(Path(name).absolute(), FileReach.from_paths([launch], []))
+
+
+def _is_written_here(name: str, launch: Launch) -> bool:
+    """Whether a command of a launch file, or of one that it includes, writes a missing model."""
+    scopes = (launch.scope, *launch.scopes.values())
+    return writes_file((scope.root for scope in scopes if scope is not None), Path(name).name)
 
 
 def _describe_maker(name: str, finder: PackageFinder) -> tuple[str, str] | None:

@@ -19,10 +19,12 @@ from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
     PythonTexts,
+    find_call_argument,
     get_function_name,
     get_package_name,
     read_declared_arguments,
 )
+from urdfcheck.source.launch.written_files import list_written_expressions
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
@@ -175,7 +177,7 @@ class PythonLaunchReader:
         by_literal: dict[str, Path | None] = {}
         parts = _collect_partial_texts(self.nodes)
         around = self.find_variable_paths()
-        tested = self.list_tested_paths()
+        tested = self.list_tested_paths() | self.list_written_paths()
         unread = _list_unread_nodes(self.nodes)
         for node in self.nodes:
             if id(node) in joined:
@@ -280,6 +282,27 @@ class PythonLaunchReader:
                 asked.append(node.func.value)
         asked += _list_tried_arguments(self.nodes)
         return {self.finder.find_source(Path(text)) for node in asked if (text := self.evaluate_text(node))}
+
+    def list_written_paths(self) -> set[Path]:
+        """Return the paths that the file writes: what it declares for a launch argument is the value at a plain launch."""
+        written = list_written_expressions(self.nodes, self.texts)
+        asked = {name for node in written if (name := self.find_read_argument(node))}
+        for node in self.nodes if asked else ():
+            if isinstance(node, ast.Call) and get_function_name(node) == "DeclareLaunchArgument":
+                name, default = find_call_argument(node, 0, "name"), find_call_argument(node, 1, "default_value")
+                if name is not None and default is not None and self.texts.evaluate(name) in asked:
+                    written += self.texts.list_elements(default) or [default]
+        return {self.finder.find_source(Path(text)) for node in written if (text := self.evaluate_text(node))}
+
+    def find_read_argument(self, node: ast.expr) -> str:
+        """Return the launch argument that is the whole value of an expression; empty for anything else."""
+        read = node
+        if isinstance(node, ast.Call) and get_function_name(node) == "perform" and isinstance(node.func, ast.Attribute):
+            read = node.func.value
+        elif isinstance(node, ast.Call) and get_function_name(node) == "perform_substitution" and node.args:
+            read = node.args[-1]
+        followed = self.texts.follow_name(read)
+        return "" if followed is None else self.texts.get_argument_name(followed)
 
     def find_missing_includes(self, tested: set[Path]) -> dict[str, ast.expr]:
         """Return the paths of launch files in a known package that do not exist, and that are not ``tested``."""
