@@ -1394,6 +1394,25 @@ def test_a_value_without_its_prefix_takes_no_link_from_a_robot(
     assert ("urdfdom" in finding.consequences) == (message == "unprefixed")
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "dead"),
+        ("<link name='${a}'/>", "halted"),
+        # The file that is not read may use it.
+        ("<xacro:include filename='other.xacro'/>", "halted"),
+        ("<xacro:include filename='$(arg which).xacro'/>", "halted"),
+        ("<wheel name='a'/>", "halted"),
+    ],
+)
+def test_a_value_that_nothing_reads_is_an_info_where_xacro_stops_elsewhere(
+    tmp_path: Path, text: str, message: str
+) -> None:
+    stopping = "<link name='${lost}'/>"
+    found = xacro(tmp_path, f'<property name="a" value="1"/>{WHEEL}{stopping}{text}', {"XAC007"})
+    assert [f.message_id for f in found.findings if f.code == "XAC007"] == [message]
+
+
 def test_the_call_that_makes_links_is_named_before_the_rest(tmp_path: Path) -> None:
     calls = '<link name="b"><inertial><mass value="1"/><inertia_of m="1"/></inertial></link><wheel name="a"/>'
     finding = only(xacro(tmp_path, INERTIA + WHEEL + '<property name="c" value="1"/>' + calls, {"XAC007"}))

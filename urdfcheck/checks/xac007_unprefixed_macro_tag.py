@@ -8,6 +8,7 @@ import re
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import replace
+from pathlib import PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_repetition, join_names
@@ -227,12 +228,24 @@ def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Sev
     made = [e for e in elements if not (e.tag in _VALUE_TAGS or _is_uncalled(source, e))]
     if not source.is_xacro:
         return ("plain", Severity.WARNING) if made else ("left", Severity.INFO)
+    is_dead = not made and all(_is_dead(source, element) for element in elements)
     if source.root is None:
-        return "halted", None
+        return ("dead", Severity.INFO) if is_dead and _has_read_all(source) else ("halted", None)
     if made:
         return "unprefixed", None
-    is_dead = all(_is_dead(source, element) for element in elements)
     return ("dead", Severity.INFO) if is_dead else ("value", Severity.WARNING)
+
+
+def _has_read_all(source: Source) -> bool:
+    """Whether a model that could not be expanded includes no file that was not read: such a file might use anything."""
+    read = {PurePosixPath(name).name for name in source.files}
+    included = (
+        element
+        for tree in source.trees.values()
+        for element in tree.walk()
+        if element.tag.removeprefix("xacro:") == "include"
+    )
+    return all(PurePosixPath(element.get("filename")).name in read for element in included)
 
 
 def _is_uncalled(source: Source, element: Element) -> bool:
