@@ -706,3 +706,35 @@ def test_a_folder_takes_the_place_of_a_package_of_its_name_where_no_other_has_th
     write(tmp_path, "package.xml", text="<package format='3'><name>hands</name></package>")
     write(tmp_path, "meshes/grip/thumb.stl")
     assert "urdf/grip/palm.stl" in find(tmp_path / "urdf/grip/r.urdf", "package://grip/palm.stl", code="PKG002").message
+
+
+@pytest.mark.parametrize(
+    ("declared", "given", "passed", "is_typed"),
+    [
+        ("", "", "$(find hands)/meshes", False),
+        ("", "{folder}", "", False),
+        ('<xacro:arg name="folder" default="/home/ann"/>', "{folder}", "", False),
+        ("", "", "{folder}", True),
+        ('<xacro:arg name="folder" default="{folder}"/>', "", "", True),
+    ],
+)
+def test_a_path_that_begins_with_an_argument_is_of_one_machine_only_where_a_file_has_its_value(
+    tmp_path: Path, declared: str, given: str, passed: str, is_typed: bool
+) -> None:
+    folder = f"{tmp_path.resolve()}/meshes"
+    write(tmp_path, "package.xml", text="<package format='2'><name>hands</name></package>")
+    write(tmp_path, "meshes/a.stl")
+    body = link("l", visual(mesh("$(arg folder)/a.stl")))
+    text = declared.format(folder=folder) + body
+    write(
+        tmp_path,
+        "urdf/r.urdf.xacro",
+        text=f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{text}</robot>',
+    )
+    command = f"$(find xacro)/xacro $(find hands)/urdf/r.urdf.xacro folder:={passed.format(folder=folder)}"
+    if passed:
+        launch = f'<launch><param name="robot_description" command="{command}"/></launch>'
+        write(tmp_path, "launch/r.launch", text=launch)
+    arguments = {"folder": given.format(folder=folder)} if given else {}
+    run = check(tmp_path / "urdf/r.urdf.xacro", codes={"PKG004", "PKG002", "XAC001"}, arguments=arguments)
+    assert [f.code for f in run.findings] == (["PKG004"] if is_typed else [])

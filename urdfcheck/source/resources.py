@@ -18,7 +18,8 @@ from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path, is_found_by_
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals
 from urdfcheck.source.text.grammar import is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
-from urdfcheck.system.files import note_lookup
+from urdfcheck.source.xacro.usage import ARGUMENT
+from urdfcheck.system.files import note_lookup, read_text_or_nothing
 
 # What Bullet leaves out of a path.
 _DROPPED_SCHEME = re.compile(r"^(?:package|model)://")
@@ -118,13 +119,17 @@ def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definitio
     """Return where a path of one machine was typed: the attribute, or the property or argument that it comes from.
 
     None for a path that any machine can open, and for one that xacro computes on each machine
-    (``file://$(find pkg)/…``).
+    (``file://$(find pkg)/…``), or that begins with an argument that gets its value there.
     """
     if use.resource.kind not in {"absolute", "home", "file"}:
         return None
     definitions = use.attribute.collect_definitions()
     texts = {d: _read_definition(d, source) for d in definitions}
     if _COMPUTED.search(use.attribute.typed) or any(_COMPUTED.search(t) for t in texts.values()):
+        return None
+    read = {d.name for d in definitions if d.kind == "argument"}
+    read.update(name for text in (use.attribute.typed, *texts.values()) for name in ARGUMENT.findall(text))
+    if any(_is_given(name, use, source) for name in read):
         return None
     if use.attribute.typed.lstrip().startswith("$"):
         return next((d for d, t in texts.items() if t and use.attribute.value.startswith(t.strip())), use.attribute)
@@ -263,6 +268,19 @@ def _is_only_folder_in_reach(source: Source) -> bool:
         and not is_repository
         and not source.finder.can_open(source.path.absolute().parent.parent)
     )
+
+
+def _is_given(argument: str, use: ResourceUse, source: Source) -> bool:
+    """Whether a path begins with the value of an argument that was given on the command line, or that the launch file which
+    passes it computes (``$(find pkg)/…``)."""
+    value = source.arguments.get(argument, "")
+    text = use.attribute.value.strip().removeprefix("file://")
+    if not text.startswith(value) or not (os.path.isabs(value) or value.startswith("~")):
+        return False
+    found = source.found_arguments.get(argument)
+    if found is None:
+        return True
+    return found.span is not None and value not in read_text_or_nothing(Path(found.span.file))
 
 
 def _read_definition(definition: Definition, source: Source) -> str:
