@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from builders import box, link, robot, visual
+from builders import box, find, link, robot, visual
 from conftest import check, check_text
 
 from urdfcheck.core import Applicability, Finding, Severity
@@ -1840,3 +1840,26 @@ def test_a_shape_without_geometry_is_an_error_where_something_is_lost(
     findings = check_text(tmp_path, text, codes={"XML005"}).findings
     assert {finding.severity for finding in findings} == severities
     assert all(finding.fix is not None and finding.fix.title.startswith(repair) for finding in findings)
+
+
+@pytest.mark.parametrize(
+    ("launch", "manifest", "severity"),
+    [
+        ('<node pkg="gazebo_ros" type="spawn_model" args="-sdf -param robot_description"/>', "", Severity.INFO),
+        ('<node pkg="gazebo_ros" type="spawn_model" args="-urdf -param robot_description"/>', "", Severity.ERROR),
+        ("<!-- spawn_model -sdf -->", "", Severity.ERROR),
+        ("", "<exec_depend>sdformat_urdf</exec_depend>", Severity.INFO),
+    ],
+)
+def test_an_sdf_model_that_is_loaded_as_such_is_not_checked_and_not_wrong(
+    tmp_path: Path, launch: str, manifest: str, severity: Severity
+) -> None:
+    loads = '<param name="robot_description" textfile="$(find car)/sdf/car.sdf"/>'
+    files = {
+        "package.xml": f"<package format='2'><name>car</name>{manifest}</package>",
+        "launch/car.launch": f"<launch>{loads}{launch}</launch>",
+        "sdf/car.sdf": "<sdf version='1.6'><model name='car'><link name='l'/></model></sdf>",
+    }
+    (finding,) = find(tmp_path, files, "XML002", name="launch/car.launch")
+    assert (finding.message_id, finding.severity) == ("format", severity)
+    assert finding.blocks_check

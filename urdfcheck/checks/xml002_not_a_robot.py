@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from dataclasses import replace
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
 from urdfcheck.source.model_role import explain_joint_to_elsewhere, makes_another_format, only_defines
-from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
+from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT, is_launch
 from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
+
+_SPAWNS_SDF = re.compile(r"(?<![\w-])-sdf(?![\w-])")
 
 
 def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Finding]:
@@ -39,8 +45,22 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("root", at=root, tag=root.tag)
         else:
             edits = build_rename_edits([root], "robot", source.files) if root.tag == "Robot" else ()
-            consequences = _describe_consequences(root.tag)
-            yield rule.finding("format", at=root, edits=edits, consequences=consequences, tag=root.tag, format=known)
+            reader = _find_reader_of_sdf(source) if root.tag == "sdf" else ""
+            finding = rule.finding(
+                "format",
+                at=root,
+                edits=edits,
+                severity=Severity.INFO if reader else None,
+                consequences=_describe_consequences(root.tag),
+                tag=root.tag,
+                format=known,
+                reader=reader,
+                repair="nothing if it is SDF on purpose; urdfcheck checks URDF and xacro files only"
+                if reader
+                else "run urdfcheck on the URDF or xacro file of the robot",
+            )
+            # Nothing is wrong with the file, and what it holds is unknown all the same.
+            yield replace(finding, blocks_check=True) if reader else finding
         return
     name = root.attributes.get("name")
     if name is None:
@@ -52,6 +72,20 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("unnamed", at=root, severity=_grade_unnamed(source))
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
+
+
+def _find_reader_of_sdf(source: Source) -> str:
+    """Say what reads an SDF model as such: a launch file that names it and spawns it with ``-sdf``, or the parser of SDF for
+    robot_description, on which its package depends; empty if nothing is known to."""
+    if source.package is not None and "sdformat_urdf" in source.package.dependencies:
+        return "; sdformat_urdf, on which the package depends, reads it"
+    named = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w-])")
+    project = find_project_folder(source.path.absolute())
+    for path, text in iter_package_texts(project, source.finder.can_open):
+        typed = drop_comments(text) if is_launch(path) else ""
+        if _SPAWNS_SDF.search(typed) and named.search(typed):
+            return f"; {path.name} spawns it with -sdf"
+    return ""
 
 
 def _grade_unnamed(source: Source) -> Severity | None:
