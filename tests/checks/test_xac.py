@@ -2270,3 +2270,30 @@ def test_a_file_that_git_ignores_is_to_be_built_with_its_folder(
     finding = only(check(write(tmp_path, files) / "car.urdf.xacro", codes={"XAC001"}))
     assert finding.fix is not None
     assert finding.fix.title.startswith("build car first, which may make the file; if it does not, ") == is_built
+
+
+@pytest.mark.parametrize(
+    ("defined", "called", "is_meant"),
+    [
+        (["simple_gripper_urdf"], "vacuum_gripper_urdf", True),
+        # Nothing says which of two it is, and a name without a word of the other is another thing.
+        (["simple_gripper_urdf", "double_gripper_urdf"], "vacuum_gripper_urdf", False),
+        (["simple_gripper_urdf"], "laser", False),
+    ],
+)
+def test_the_only_macro_of_the_file_that_is_included_just_before_a_call_may_be_meant(
+    tmp_path: Path, defined: list[str], called: str, is_meant: bool
+) -> None:
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    macros = [
+        f"<xacro:macro name='{name}' params='prefix'><link name='${{prefix}}l'/></xacro:macro>" for name in defined
+    ]
+    (tmp_path / "gripper.xacro").write_text(f"{head}{''.join(macros)}</robot>")
+    (tmp_path / "later.xacro").write_text(f"{head}</robot>")
+    body = f"<xacro:include filename='gripper.xacro'/>\n<xacro:{called} prefix='a'/>\n<xacro:include filename='later.xacro'/>"
+    finding = only(xacro(tmp_path, body, {"XAC001"}))
+    assert (
+        "did you mean 'simple_gripper_urdf' of gripper.xacro, which line 3 includes?" in finding.message
+    ) == is_meant
+    assert finding.fix is not None
+    assert ("move the include" in finding.fix.title) != is_meant

@@ -48,12 +48,14 @@ from urdfcheck.source.path_arguments import (
 from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
+from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
 from urdfcheck.source.uses_elsewhere import is_unused
 from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     Condition,
+    Macro,
     collect_called_macros,
     collect_macros,
     collect_properties,
@@ -376,7 +378,10 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         return _explain_conditional_macro(failure, name, conditions)
     defining = _find_defining_files(failure.source, name, read_defined_macros)
     repair = "include the file that defines the macro before this line, or delete the call if it is left over"
-    if near:
+    renamed = None if near else _find_renamed_macro(failure, name)
+    if renamed is not None:
+        extra = (renamed[0].element.location,)
+    if near or renamed is not None:
         repair = "correct the name, or include the file that defines the macro before this line"
     elif not defining and (namesake := _find_read_namesake(failure.source, name)) is not None:
         file, package = namesake
@@ -390,7 +395,7 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         defining = [file for file in defining if not _defines_in_part(failure.source, file, name)]
         repair = _describe_include(failure, defining, "correct the name", ", which defines the macro,")
     below = [e for e in iter_elements_by_tag(failure.source.trees, "xacro:include") if _is_after_failure(failure, e)]
-    if below and not defining and near is None:
+    if below and not defining and near is None and renamed is None:
         listed = join_names((_describe_include_place(element) for element in below), 3)
         repair = f"move the include that defines the macro above this line, if that is {listed}; otherwise {repair}"
     return _build_report(
@@ -400,10 +405,34 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         name=name,
         files=(count := len(failure.source.trees)),
         read="the file" if count == 1 else f"the {count} files read so far",
-        hint=format_name_hint(name, known) if known else "" if defining or below else ", nor any other",
+        hint=f" (did you mean {renamed[0].name!r} of {renamed[1]}?)"
+        if renamed is not None
+        else format_name_hint(name, known)
+        if known
+        else ""
+        if defining or below
+        else ", nor any other",
         repair=repair,
         defining=defining,
     )
+
+
+def _find_renamed_macro(failure: _ExpansionFailure, name: str) -> tuple[Macro, str] | None:
+    """Return the only macro of the file that is included just before a call, with the place of the include, if nothing calls it
+    and it shares a word with the name: then the expansion gets past the call by its name."""
+    call = _find_failing_element(failure)
+    before = [] if call is None or call.parent is None else call.parent.children[: call.parent.children.index(call)]
+    if call is None or not before or before[-1].tag != "xacro:include":
+        return None
+    include, trees = before[-1], failure.source.trees
+    file = include.get("filename").rpartition("/")[2]
+    place = file if include.span is None else f"{file}, which line {include.span.line} includes"
+    macros = collect_macros({read: tree for read, tree in trees.items() if Path(read).name == file})
+    uncalled = [macro for macro in macros.values() if macro.name not in collect_called_macros(trees)]
+    if len(uncalled) != 1 or not set(uncalled[0].name.split("_")) & set(name.split("_")):
+        return None
+    edits = build_rename_edits([call], f"xacro:{uncalled[0].name}", failure.source.files)
+    return (uncalled[0], place) if _gets_past_with(failure, edits) else None
 
 
 def _describe_include_place(include: Element) -> str:
