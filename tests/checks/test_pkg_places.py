@@ -738,3 +738,29 @@ def test_a_path_that_begins_with_an_argument_is_of_one_machine_only_where_a_file
     arguments = {"folder": given.format(folder=folder)} if given else {}
     run = check(tmp_path / "urdf/r.urdf.xacro", codes={"PKG004", "PKG002", "XAC001"}, arguments=arguments)
     assert [f.code for f in run.findings] == (["PKG004"] if is_typed else [])
+
+
+@pytest.mark.parametrize("lost", ["gone/meshes", "gone/other"])
+@pytest.mark.parametrize(
+    ("scale", "other", "said"),
+    [
+        ("", "0.001 0.001 0.001", '/meshes/a.stl` with `scale="0.001 0.001 0.001"`, as in line 1'),
+        ("0.001 0.001 0.001", "", "/meshes/a.stl` without the scale, as in line 1"),
+        ("1 1 1", "", ""),
+        ("0.001 0.001 0.001", "0.001 0.001 1e-3", ""),
+    ],
+)
+def test_a_file_that_takes_the_place_of_another_is_named_with_the_scale_that_the_model_has_it_with(
+    tmp_path: Path, scale: str, other: str, said: str, lost: str
+) -> None:
+    write(tmp_path, "package.xml", text="<package format='3'><name>hands</name></package>")
+    write(tmp_path, "meshes/a.stl")
+    shapes = [("hands/meshes", other), (lost, scale)]
+    typed = [(f"package://{name}/a.stl", f' scale="{text}"' if text else "") for name, text in shapes]
+    meshes = "".join(visual(f'<mesh filename="{path}"{scaled}/>') for path, scaled in typed)
+    write(tmp_path, "urdf/r.urdf", text=f'<robot name="r">{link("l", meshes)}</robot>')
+    (finding,) = check(tmp_path / "urdf/r.urdf", codes={"PKG001"}).findings
+    assert finding.fix is not None
+    assert said in finding.fix.title
+    assert ("scale" in finding.fix.title) == bool(said)
+    assert not (said and finding.fix.edits)

@@ -36,7 +36,8 @@ from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, find_gazebo_folder
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
-from urdfcheck.source.text.xml import flatten_definitions
+from urdfcheck.source.text.values import parse_number
+from urdfcheck.source.text.xml import Element, flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
     KEPT_ASIDE,
     OF_TESTS,
@@ -165,11 +166,14 @@ def _build_finding(
     # A package may be meant by its name and lack the files all the same.
     lacking = "" if owners or here or not near else _describe_lack(near, package, uses, at, source)
     repair = checkout or _describe_repair(package, here, near, source, owner, declared=declared, lacking=lacking)
+    scaled = _describe_scaled_file(near, package, uses, source)
+    repair = scaled + repair
     own = [] if declared or here or near or checkout else _find_own_files(source, files)
     in_gazebo = "" if gazebo_model is None else format_path(gazebo_model)
     if own and package and source.package is not None:
         likewise = ", and the others likewise" if len(own) > 1 else ""
-        repair = f"write `package://{source.package.name}/{own[0]}`{likewise}, if these files are meant; else {repair}"
+        scale = _describe_other_scale(uses, source, source.package.path / own[0])
+        repair = f"write `package://{source.package.name}/{own[0]}`{scale}{likewise}, if these files are meant; else {repair}"
     elif is_lost and uses and package:
         repair = _add_own_folder(repair, source, package, files)
     if clone is not None and kind == "expansion":
@@ -186,7 +190,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related, *places],
-        edits=_propose_edits(uses, package, near),
+        edits=[] if scaled else _propose_edits(uses, package, near),
         severity=_grade(message, is_outside=bool(is_outside)),
         consequences=_describe_loss(uses, source, in_gazebo) if lost or message == "files-gazebo" else None,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
@@ -550,6 +554,39 @@ def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
     if any(len(paths) != 1 for paths in found):
         return []
     return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
+
+
+def _describe_scaled_file(near: Sequence[str], package: str, uses: Sequence[ResourceUse], source: Source) -> str:
+    """Say before the repair that the first file in the only package that may be meant goes with another scale; else nothing."""
+    folder = source.finder.find(near[0]) if len(near) == 1 and uses and package else None
+    inside = get_path_in_package(uses[0].resource.text, package) if uses else ""
+    if folder is None or not source.finder.can_open(folder / inside) or not (folder / inside).is_file():
+        return ""
+    scale = _describe_other_scale(uses, source, folder / inside)
+    return f"write `package://{near[0]}/{inside}`{scale}; or " if scale else ""
+
+
+def _describe_other_scale(uses: Sequence[ResourceUse], source: Source, file: Path) -> str:
+    """Say which scale goes with a file that takes the place of the first one, where the model has it with another scale.
+
+    Empty if it has it with the same one, with several, or not at all.
+    """
+    others = [
+        use.attribute.owner
+        for use in list_resource_uses(source)
+        if use.resource.exists and use.resource.path is not None and use.resource.path.samefile(file)
+    ]
+    scales = {_read_scale(other) for other in others}
+    if len(scales) != 1 or not scales.isdisjoint({_read_scale(uses[0].attribute.owner)}):
+        return ""
+    span = others[0].span
+    line = "" if span is None else f", as in line {span.line}"
+    scale = others[0].get("scale")
+    return f' with `scale="{scale}"`{line}' if scale else f" without the scale{line}"
+
+
+def _read_scale(mesh: Element) -> tuple[float | None, ...]:
+    return tuple(parse_number(word) for word in mesh.get("scale").split()) or (1.0, 1.0, 1.0)
 
 
 def _add_own_folder(repair: str, source: Source, package: str, files: Sequence[str]) -> str:

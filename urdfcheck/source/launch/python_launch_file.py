@@ -289,8 +289,8 @@ class PythonLaunchReader:
         asked = {name for node in written if (name := self.find_read_argument(node))}
         for node in self.nodes if asked else ():
             if isinstance(node, ast.Call) and get_function_name(node) == "DeclareLaunchArgument":
-                name, default = find_call_argument(node, 0, "name"), find_call_argument(node, 1, "default_value")
-                if name is not None and default is not None and self.texts.evaluate(name) in asked:
+                named, default = find_call_argument(node, 0, "name"), find_call_argument(node, 1, "default_value")
+                if named is not None and default is not None and self.texts.evaluate(named) in asked:
                     written += self.texts.list_elements(default) or [default]
         return {self.finder.find_source(Path(text)) for node in written if (text := self.evaluate_text(node))}
 
