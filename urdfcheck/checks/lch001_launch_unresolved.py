@@ -25,6 +25,7 @@ from urdfcheck.source.launch.around.meant_files import (
     takes_arguments,
 )
 from urdfcheck.source.launch.around.passing_files import find_inheriting_files, find_passing_files
+from urdfcheck.source.launch.around.written_files import writes_file
 from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
@@ -35,7 +36,6 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
-from urdfcheck.source.launch.written_files import writes_file
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES, is_launch
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package

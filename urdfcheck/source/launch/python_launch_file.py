@@ -15,6 +15,7 @@ from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.core.records import dataclass
+from urdfcheck.source.launch.around.written_files import list_written_expressions
 from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
@@ -24,7 +25,6 @@ from urdfcheck.source.launch.python_texts import (
     get_package_name,
     read_declared_arguments,
 )
-from urdfcheck.source.launch.written_files import list_written_expressions
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
