@@ -25,8 +25,7 @@ from urdfcheck.source.launch.around.meant_files import (
     takes_arguments,
 )
 from urdfcheck.source.launch.around.passing_files import find_inheriting_files, find_passing_files
-from urdfcheck.source.launch.around.written_files import writes_file
-from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored
+from urdfcheck.source.launch.built_files import find_maker, find_template, is_git_ignored, writes_file
 from urdfcheck.source.launch.launch_file import (
     BrokenInclude,
     DescriptionSource,

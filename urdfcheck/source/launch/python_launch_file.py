@@ -15,8 +15,7 @@ from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.launch.around.written_files import list_written_expressions
-from urdfcheck.source.launch.built_files import may_be_built
+from urdfcheck.source.launch.built_files import list_written_expressions, may_be_built
 from urdfcheck.source.launch.python_texts import (
     MAX_LENGTH,
     PythonTexts,
