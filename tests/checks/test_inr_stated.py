@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from builders import box, find, inertial, joint, limit, link, mesh, robot, visual
 from castings import CASTING, geometry, uniform, write_stl
+from conftest import check_text
 
 from urdfcheck.core import Severity
 
@@ -140,3 +141,36 @@ def test_the_numbers_of_a_published_part_are_known(tmp_path: Path, izz: str, dra
     found = find(tmp_path, text, "INR009")
     assert [finding.message_id for finding in found if finding.message_id == "published"] == [message] * bool(message)
     assert all("the base of TurtleBot3 Burger" in finding.headline for finding in found if message)
+
+
+WHEEL = """<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="base"/>
+{above}<xacro:macro name="other"><link/></xacro:macro>
+<xacro:macro name="wheel_inertial" params="m r h"><inertial><mass value="${{m}}"/>
+<inertia ixx="${{m*(3*r*r+h*h)/12}}" ixy="0" ixz="0" iyy="${{m*(3*r*r+h*h)/12}}" iyz="0" izz="${{m*r/2}}"/>{below}
+</inertial></xacro:macro>
+<link name="wheel"><xacro:wheel_inertial m="2" r="0.1" h="0.02"/>
+<visual><geometry><cylinder radius="0.1" length="0.02"/></geometry></visual></link>
+<joint name="j" type="continuous"><parent link="base"/><child link="wheel"/><axis xyz="0 0 1"/></joint>{plugin}</robot>"""
+EXPLODES = "<!-- izz should have r squared, but this makes the robot\n  explode -->"
+CLASSIC = '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so"/></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("above", "below", "plugin", "expected"),
+    [
+        ("", EXPLODES, CLASSIC, ("chosen", "chosen")),
+        ("", EXPLODES, "", ("violated", "chosen")),  # the new Gazebo and MuJoCo refuse it
+        ("", "<!-- izz should have r squared -->", CLASSIC, ("violated", "one")),
+        ("<!-- Macros of inertias. Gazebo cannot handle the realistic values. -->", "", CLASSIC, ("chosen", "chosen")),
+        ("<!-- Gazebo cannot handle the realistic values. -->", "", CLASSIC, ("violated", "one")),  # of that macro
+        ("<!-- Macros of inertias for Gazebo. -->", "", CLASSIC, ("violated", "one")),
+    ],
+)
+def test_a_formula_with_a_reason_was_chosen(
+    tmp_path: Path, above: str, below: str, plugin: str, expected: tuple[str, str]
+) -> None:
+    text = WHEEL.format(above=above, below=below, plugin=plugin)
+    findings = check_text(tmp_path, text, "r.urdf.xacro", codes={"INR003", "INR020"}).findings
+    found = {finding.code: finding for finding in findings}
+    assert (found["INR003"].message_id, found["INR020"].message_id) == expected
+    assert all((finding.severity is Severity.INFO) == (finding.message_id == "chosen") for finding in findings)

@@ -34,7 +34,7 @@ from urdfcheck.model.gazebo import (
     list_sensors,
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
-from urdfcheck.model.use.gazebo_starts import names_successor, starts_classic
+from urdfcheck.model.use.gazebo_starts import is_only_for_classic, names_successor
 from urdfcheck.model.use.project_texts import list_publishing_texts
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.text.tokens import read_typed_content
@@ -81,7 +81,6 @@ class _UnknownCollision:
 
 
 # The plugins of ROS for Gazebo Classic: of gazebo_plugins, gazebo_ros_control, hector_gazebo_plugins and others named like them.
-_CLASSIC = re.compile(r"gazebo_ros\d?_")
 # Those that read `<frameName>` for ROS 1 and only `<frame_name>` for ROS 2.
 _RENAMED_FRAME = re.compile(r"(?:lib)?gazebo_ros_(?:imu_sensor|ray_sensor|camera|gps_sensor)(?:\.so)?")
 # Gazebo Classic does not compare the names of sensors.
@@ -333,7 +332,7 @@ def _check_duplicate_names(
             include = _find_include(second, model) if first.span == second.span else None
             # What the successor cannot load is of a robot for Classic, whatever starts it.
             is_new = is_for_new_gazebo(model) or names_successor(model)
-            is_classic = not is_new and (_uses_classic(model) or starts_classic(model))
+            is_classic = is_only_for_classic(model)
             is_mixed = any(_has_plugin(sensor, _READS_TOPIC) for sensor in alike)
             dropped = "the second is dropped" if len(alike) == 2 else "all but the first are dropped"
             yield rule.finding(
@@ -355,12 +354,6 @@ def _check_duplicate_names(
 
 def _has_plugin(sensor: GazeboSensor, library: re.Pattern[str]) -> bool:
     return any(library.search(plugin.get("filename")) for plugin in sensor.element.find_children("plugin"))
-
-
-def _uses_classic(model: Model) -> bool:
-    """Whether a plugin of the robot is one of ROS for Gazebo Classic."""
-    plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
-    return any(_CLASSIC.search(plugin.get("filename")) for plugin in plugins)
 
 
 def _find_include(element: Element, model: Model) -> Span | None:

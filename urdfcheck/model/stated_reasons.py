@@ -34,12 +34,18 @@ _DENIAL = re.compile(r"(?:(?:\bnot|\bnever|n't)\s+(?:\w+\s+){0,2}|\b(?:no|non)[\
 _REASON = re.compile(
     r"stabili|unstab|instab|avoid|prevent|\bhack|\bnon-?\s?zero|\bpruned|bolt(?:ed|ing) down|\bon purpose|intentional|deliberate"
     r"|\b(?:null|blank|minimal|smallest)(?: valid)? inerti|work-?\s?around|\bdrift|\btweaked\b|\bhappy\b"
-    r"|\b(?:in|de)creased (?:to|for|so|because)\b",
+    r"|\b(?:in|de)creased (?:to|for|so|because)\b"
+    # what a simulation does with other numbers
+    r"|\b(?:robot|model|simulation|simulator|gazebo|it)\s+(?:to\s+)?"
+    r"(?:explodes?|oscill?[ai]\w*|shakes?|vibrates?|jitters?|blows?\s+up)\b"
+    r"|\b(?:can\s?not|can't|doesn't|does\s+not)\s+(?:handle|cope\s+with|like)\s+(?:the\s+)?(?:realistic|real|true|actual|small)\b",
     re.IGNORECASE,
 )
 # What a comment above a macro or a property is about, where it gives the reason for masses and inertias.
 _ABOUT_DYNAMICS = re.compile(r"inerti|\bmass|\bheav|\blight|simulat|gazebo|physic|unstab|instab|stabili", re.IGNORECASE)
 _MACRO_BEFORE = re.compile(r"<(?:\w+:)?macro\b")
+# A comment about several macros.
+_MACROS = re.compile(r"\bmacros\b", re.IGNORECASE)
 _MACRO_END = re.compile(r"</(?:\w+:)?macro\s*>")
 # A comment above lines of properties with no blank line between them.
 _COMMENT_ABOVE = re.compile(
@@ -98,7 +104,8 @@ def _find_comment_before(text: str, place: int) -> str:
 
 
 def has_reason_above_macro(model: Model, element: Element) -> bool:
-    """Whether a comment right before the macro that makes an element says why its masses and inertias are what they are."""
+    """Whether a comment right before the macro that makes an element says why its masses and inertias are what they are, or one
+    before the first macro of the file that is about all its macros."""
     span = element.span
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None or not element.via:
@@ -106,8 +113,10 @@ def has_reason_above_macro(model: Model, element: Element) -> bool:
     starts = [found.start() for found in _MACRO_BEFORE.finditer(file.text, 0, span.start)]
     if not starts or _MACRO_END.search(file.text, starts[-1], span.start) is not None:
         return False
-    before = _COMMENT_BEFORE.search(file.text[max(0, starts[-1] - _REACH) : starts[-1]])
-    return before is not None and _gives_reason_for_dynamics(before[1])
+    if _gives_reason_for_dynamics(_find_comment_before(file.text, starts[-1])):
+        return True
+    above = _find_comment_before(file.text, starts[0])
+    return _MACROS.search(above) is not None and _gives_reason_for_dynamics(above)
 
 
 def has_reason_at_definition(model: Model, definition: Definition) -> bool:

@@ -6,6 +6,7 @@ import re
 
 from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
+from urdfcheck.model.gazebo import is_for_new_gazebo
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
@@ -37,6 +38,8 @@ _CONVERTS = re.compile(r"\b(?:gz|ign)\s+sdf\b|\bgzsdf\b")
 _FRAMES = re.compile(r"robot_description|state_publisher|rviz|moveit", re.IGNORECASE)
 # What reads a robot for other simulations.
 _READERS = re.compile(r"drake|bullet", re.IGNORECASE)
+# The plugins of ROS for Classic.
+_CLASSIC_PLUGIN = re.compile(r"gazebo_ros\d?_")
 # The names of plugins and of hardware of the new Gazebo.
 _NEW_PLUGIN = re.compile(r"(?:lib)?(?:gz|ign|ignition)[-_]")
 
@@ -49,6 +52,14 @@ def names_successor(model: Model) -> bool:
 def starts_classic(model: Model) -> bool:
     """Whether a file of the model's package, or of a package that depends on it, starts Gazebo Classic."""
     return any(map(_CLASSIC_START.search, list_project_texts(model)))
+
+
+def is_only_for_classic(model: Model) -> bool:
+    """Whether a plugin of the robot is one of ROS for Classic, or a file starts it there, and nothing names the successor."""
+    if is_for_new_gazebo(model) or names_successor(model):
+        return False
+    plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
+    return any(_CLASSIC_PLUGIN.search(plugin.get("filename")) for plugin in plugins) or starts_classic(model)
 
 
 def names_mimic_engine(model: Model) -> bool:

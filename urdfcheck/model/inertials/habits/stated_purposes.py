@@ -35,7 +35,10 @@ def has_stated_purpose(model: Model, link: Link) -> bool:
     if has_stated_reason(model, inertial.element):
         return True
     mass, tensor = inertial.mass_attribute, inertial.tensor_element
-    if (mass is not None and has_reason_behind(model, mass)) or has_reason_above_macro(model, inertial.element):
+    if mass is not None and has_reason_behind(model, mass):
+        return True
+    typed = [inertial.element, *(() if tensor is None else (tensor,))]
+    if any(has_reason_above_macro(model, element) for element in typed):
         return True
     definitions = [
         *(() if mass is None else mass.collect_definitions()),
