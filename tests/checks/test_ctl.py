@@ -799,3 +799,25 @@ def test_a_controllers_file_that_launch_files_pass_may_lack_as_a_default(
     files = {f"launch/{number}.launch.py": text for number, text in enumerate(launches)}
     (finding,) = find_in_cart(tmp_path, "", declared + body, **files)
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize("names", [("left_weel",), ("arm_roll", "arm_pitch")])
+def test_a_transmission_that_is_skipped_does_not_stop_the_plugin(tmp_path: Path, names: tuple[str, ...]) -> None:
+    """gazebo_ros_control reads the child ``<type>`` before the joints; the attribute is the PR2's."""
+    attribute = ' type="pr2_mechanism_model/SimpleTransmission"'
+
+    def report(kind: str, child: str) -> Finding:
+        blocks = [f'<transmission name="t{n}"{kind}>{child}<joint name="{n}"/></transmission>' for n in names]
+        text = make_cart("".join(blocks) + CLASSIC)
+        (finding,) = check_text(tmp_path, text, codes={"CTL001"}).findings
+        return finding
+
+    skipped, read = report(attribute, ""), report("", TYPE)
+    assert skipped.consequences["gazebo"] == "skips the transmission before it looks for the joint: it has no <type>"
+    assert skipped.severity is Severity.WARNING
+    assert skipped.fix is not None
+    assert "add a <type> too" in skipped.fix.title
+    assert read.consequences["gazebo"].startswith("ignores all transmissions")
+    assert read.severity is Severity.ERROR
+    assert read.fix is not None
+    assert "<type>" not in read.fix.title

@@ -328,7 +328,8 @@ def test_a_drive_that_other_robots_include_becomes_an_argument(tmp_path: Path) -
 
 # -- control blocks: CTL001, CTL004, CTL005, JNT007 ------------------------------------------------------------------------
 
-TRANSMISSION = '<transmission name="t"><joint name="{}"/></transmission>'
+TYPE = "<type>transmission_interface/SimpleTransmission</type>"
+TRANSMISSION = f'<transmission name="t">{TYPE}<joint name="{{}}"/></transmission>'
 PLUGIN = '<gazebo><plugin name="c" filename="libgazebo_ros_control.so"/></gazebo>'
 
 

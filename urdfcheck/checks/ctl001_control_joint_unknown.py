@@ -18,7 +18,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
-from urdfcheck.source.text.xml import Attribute
+from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.uses_elsewhere import find_other_includers, iter_project_texts
 
 # What becomes of a block whose name the controllers have too: the hardware exports it, and nothing in the robot is called so.
@@ -26,6 +26,9 @@ _AGREED = {
     "ros2_control": "refuses the description since 4.13 (Jazzy): joint not found in URDF; older versions run, but RViz shows the "
     "joint standing still"
 }
+# What becomes of a transmission that has a type only as an attribute, as the PR2's programs read it, and what it lacks.
+_SKIPPED = {"gazebo": "skips the transmission before it looks for the joint: it has no <type>"}
+_LACK = "; for gazebo_ros_control add a <type> too: it skips a transmission without one"
 # Files that name the joints of a robot for controllers.
 _CONTROLLER_SUFFIXES = frozenset({".yaml", ".yml"})
 
@@ -35,11 +38,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         return  # the block alone, as a test expands it
     for tag in ("ros2_control", "transmission"):
         is_unread = tag == "transmission" and not reads_transmissions(model)
-        severity, consequences = (Severity.WARNING, UNREAD_TRANSMISSIONS) if is_unread else (None, None)
+        told = (Severity.WARNING, UNREAD_TRANSMISSIONS) if is_unread else (None, None)
         foreign: list[Attribute] = []
+        skipped: list[bool] = []
         taken: set[str] = set()
         free = model.joint_by_name.keys() - _collect_named_joints(model, tag)
         for block in model.robot.find_children(tag):
+            is_skipped = tag == "transmission" and not is_unread and not _has_type(block)
+            severity, consequences = (Severity.WARNING, _SKIPPED) if is_skipped else told
             for element in block.walk():
                 name = element.attributes.get("name")
                 if element.tag != "joint" or name is None or not name.value or name.value in model.joint_by_name:
@@ -47,6 +53,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 hint = format_name_hint(name.value, free)
                 if not hint:
                     foreign.append(name)
+                    skipped.append(is_skipped)
                     continue
                 meant = find_only_near_name(name.value, free, SLIP_LIKENESS)
                 taken |= {meant or ""}
@@ -72,12 +79,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     shared=f"; {join_names(others)} {'includes' if len(others) == 1 else 'include'} this file too"
                     if others
                     else "",
+                    lack=_LACK if is_skipped else "",
                 )
         if foreign and tag == "ros2_control" and not model.joints:
             yield _build_lone_finding(rule, foreign)
         elif foreign:
+            severity, consequences = (Severity.WARNING, _SKIPPED) if all(skipped) else told
             left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
             yield _build_foreign_finding(model, rule, tag, foreign, left, severity=severity, consequences=consequences)
+
+
+def _has_type(block: Element) -> bool:
+    """Whether a transmission has a ``<type>``, which gazebo_ros_control reads first."""
+    return any(child.text.strip() for child in block.find_children("type"))
 
 
 def _find_other_robots(model: Model, name: Attribute) -> list[str]:
@@ -180,6 +194,7 @@ def _build_foreign_finding(
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
         repair=_describe_repair(tag, typed, left, others),
+        lack=_LACK if consequences is _SKIPPED else "",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
 
