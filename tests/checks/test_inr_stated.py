@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, find, inertial, joint, limit, link, mesh, robot, visual
+from builders import box, cylinder, find, inertial, joint, limit, link, mesh, robot, visual
 from castings import CASTING, geometry, uniform, write_stl
 from conftest import check_text
 
@@ -174,3 +174,53 @@ def test_a_formula_with_a_reason_was_chosen(
     found = {finding.code: finding for finding in findings}
     assert (found["INR003"].message_id, found["INR020"].message_id) == expected
     assert all((finding.severity is Severity.INFO) == (finding.message_id == "chosen") for finding in findings)
+
+
+CAD = ("-0.00015557711", "-0.0003643398", "-0.0067306301")
+NONE = ("0", "0", "0")
+
+
+@pytest.mark.parametrize(
+    ("products", "place", "factor", "severity"),
+    [
+        (CAD, 0.3, 1, Severity.INFO),
+        (NONE, 0.3, 1, Severity.WARNING),  # perhaps computed from another shape
+        (("-0.0001", "-0.0003", "-0.006"), 0.3, 1, Severity.WARNING),
+        (CAD, 0.3, 20, Severity.WARNING),  # too much for what is not drawn
+        (NONE, 0.401, 0.4, Severity.INFO),  # the cylinder begins 1.6 mm above the COM
+        (NONE, 0.425, 0.4, Severity.WARNING),  # 26 mm: the COM may be wrong
+    ],
+)
+def test_a_drawing_simpler_than_the_part_of_cad_is_a_note(
+    tmp_path: Path, products: tuple[str, str, str], place: float, factor: float, severity: Severity
+) -> None:
+    moments = [f"{factor * value:.8g}" for value in (0.24731453, 0.2306736, 0.029585235)]
+    names = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")
+    tensor = " ".join(f'{name}="{value}"' for name, value in zip(names, (*moments, *products), strict=True))
+    numbers = f'<origin xyz="-0.00051024 0.00474429 0.27441632"/><mass value="5.7271652"/><inertia {tensor}/>'
+    drawn = visual(cylinder(0.06, 0.25), xyz=f"0 0 {place}")
+    (finding,) = find(tmp_path, make_chain(f"<inertial>{numbers}</inertial>{drawn}"), "INR005")
+    assert finding.severity is severity
+
+
+@pytest.mark.parametrize(
+    ("factor", "value", "message"),
+    [
+        ("rotor_velocity_slowdown_sim", 10, "chosen"),
+        ("inertia_scaling", 10, "chosen"),
+        ("inertia_scaling", 1, "exceeds"),
+        ("radius_scaling", 10, "exceeds"),
+        ("inertia_scaling", 10000, "exceeds"),  # an error
+    ],
+)
+def test_a_tensor_that_is_scaled_for_a_simulation_was_chosen(
+    tmp_path: Path, factor: str, value: float, message: str
+) -> None:
+    moments = [f"${{0.005*{n}*{10 / value if value == 1 else 1}*{factor}}}" for n in (0.00002, 0.0065, 0.0066)]
+    tensor = "".join(f' {name}="{moment}"' for name, moment in zip(("ixx", "iyy", "izz"), moments, strict=True))
+    part = f'<inertial><mass value="0.005"/><inertia{tensor} ixy="0" ixz="0" iyz="0"/></inertial>'
+    scale = f'<xacro:property name="{factor}" value="{value}"/>'
+    text = make_chain(part + visual(box("0.28 0.015 0.003"))).replace("<link", f"{scale}<link", 1)
+    text = text.replace("<robot", '<robot xmlns:xacro="http://ros.org/wiki/xacro"', 1)
+    (finding,) = find(tmp_path, text, "INR005", name="r.urdf.xacro")
+    assert finding.message_id == message

@@ -33,6 +33,7 @@ from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
+from urdfcheck.model.inertials.habits.simplified_drawings import is_simplified
 from urdfcheck.model.inertials.habits.stated_purposes import is_called_negligible
 from urdfcheck.model.inertials.habits.tensor_units import TENSOR_UNITS, TensorUnit, find_tensor_unit, is_unit_possible
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -79,6 +80,9 @@ _BARELY_UNEVEN = 1.6
 _OF_SPECK = 1e4
 # A spread that is greater than the bound by less than this factor is that of a rule of thumb (chosen).
 _BARELY = 1.1
+# A part is larger than the simple drawing that stands for it by less than this factor: 1.5 to 3.7 in the published cases,
+# 15 or more where a tensor on such a drawing was wrong.
+_BEYOND_SIMPLIFIED = 5.0
 # Moments of another shape are so many times farther below the drawn part's than others.
 _OWN_FACTORS = 1.25
 # Moments that were computed from a shape are its own to within this share.
@@ -103,7 +107,7 @@ class _Advice:
 
 
 def check(model: Model, rule: Rule, *, ratio: float, margin: float) -> Iterator[Finding]:
-    findings = set_chosen_aside(model, rule, _check(model, rule, ratio=ratio, margin=margin))
+    findings = set_chosen_aside(model, rule, _check(model, rule, ratio=ratio, margin=margin), by_scaled=True)
     yield from set_lost_aside(model, rule, findings)
 
 
@@ -151,7 +155,8 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         if is_uneven and advice.repair is None and (odd := _describe_odd_moment(model, declared)):
             advice = _Advice(remedy=f"{odd}, or ", explained=advice.explained)
         is_bolted = excess < VAST and part.link.name in list_unturned_links(model)
-        is_minor = is_bolted or excess**0.5 < (_BARELY_UNEVEN if is_uneven else _BARELY)
+        is_minor = is_bolted or _lacks_only_drawing(model, part, advice, excess)
+        is_minor |= excess**0.5 < (_BARELY_UNEVEN if is_uneven else _BARELY)
         yield rule.finding(
             "uneven" if is_uneven else "com" if is_elsewhere and _fits_another_com(part, margin) else "exceeds",
             at=declared.element,
@@ -172,6 +177,12 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
+
+
+def _lacks_only_drawing(model: Model, part: EnclosedInertial, advice: _Advice, excess: float) -> bool:
+    """Whether nothing but the drawing is known to be wrong: it stands for less than the part, whose numbers are from CAD."""
+    is_unexplained = not advice.remedy and not advice.explained
+    return excess**0.5 < _BEYOND_SIMPLIFIED and is_unexplained and is_simplified(model, part)
 
 
 def _has_other_unit(model: Model, link: str, unit: str) -> bool:

@@ -151,7 +151,8 @@ _POSSIBLE_TERM = (
 
 
 def check(model: Model, rule: Rule, *, far: float, concentrated: float) -> Iterator[Finding]:
-    findings = set_chosen_aside(model, rule, _check(model, rule, far=far, concentrated=concentrated), _OF_COM)
+    found = _check(model, rule, far=far, concentrated=concentrated)
+    findings = set_chosen_aside(model, rule, found, _OF_COM, by_scaled=True)
     yield from set_lost_aside(model, rule, findings)
 
 

@@ -14,7 +14,7 @@ from urdfcheck.core import FactUnavailableError, Finding, Fix, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term, compute_solid_inertia
 from urdfcheck.model.fact import fact
-from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
+from urdfcheck.model.inertials.habits.stated_purposes import has_scaled_tensor, has_stated_purpose
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
@@ -151,17 +151,27 @@ def set_lost_aside(
 
 
 def set_chosen_aside(
-    model: Model, rule: Rule, findings: Iterable[Finding], causes: Container[str] = (), *, by_replaced: bool = False
+    model: Model,
+    rule: Rule,
+    findings: Iterable[Finding],
+    causes: Container[str] = (),
+    *,
+    by_replaced: bool = False,
+    by_scaled: bool = False,
 ) -> Iterator[Finding]:
     """Make notes of the findings about links beside whose numbers a comment gives the reason, with the message ``chosen``.
 
     ``causes``: those of mistakes that no reason excuses; ``by_replaced``: a comment that holds another tensor, which the author
-    replaced, is one too.
+    replaced, is one too; ``by_scaled``: so is the name of a factor in the tensor, for what is no error.
     """
     for finding in findings:
         links = [] if finding.cause is not None and finding.cause.id in causes else _list_links(model, finding)
+        is_scalable = by_scaled and finding.severity < Severity.ERROR
         if links and all(
-            has_stated_purpose(model, link) or (by_replaced and _has_replaced_tensor(model, link)) for link in links
+            has_stated_purpose(model, link)
+            or (is_scalable and has_scaled_tensor(link))
+            or (by_replaced and _has_replaced_tensor(model, link))
+            for link in links
         ):
             yield _make_note(rule, finding, "chosen")
         else:

@@ -17,6 +17,9 @@ from urdfcheck.model.stated_reasons import (
 
 # Words that say that a number is chosen. That it is a dummy's does not, for it may still have to be replaced.
 _CHOSEN_WORDS = frozenset({"negligible", "insignificant", "tiny", "epsilon", "eps"})
+# A factor in the formula of a tensor that has one of the first words in its name, or one of the second beside "inertia": rotors
+# that a simulation turns more slowly have more inertia, so that they store as much.
+_SLOWED, _SCALING = frozenset({"slowdown"}), frozenset({"scale", "scaling", "factor", "multiplier"})
 # A mass of that name is at most this share of the robot's (chosen).
 _TINY_SHARE = 1e-3
 
@@ -56,3 +59,16 @@ def is_called_negligible(model: Model, link: Link) -> bool:
     if all(_CHOSEN_WORDS.isdisjoint(word.lower() for word in split_name_words(name)) for name in names):
         return False
     return inertial.mass <= _TINY_SHARE * math.fsum(max(declared.mass, 0.0) for declared in model.masses)
+
+
+def has_scaled_tensor(link: Link) -> bool:
+    """Whether the tensor of a link is computed with a factor other than 1 whose name says that it makes up for something in a
+    simulation: ``rotor_velocity_slowdown_sim``, ``inertia_scaling``."""
+    tensor = None if link.inertial is None else link.inertial.tensor_element
+    definitions = () if tensor is None else tensor.collect_definitions()
+    return any(_is_scaling(one.name) and one.value.strip() not in {"1", "1.0", "1."} for one in definitions)
+
+
+def _is_scaling(name: str) -> bool:
+    words = {word.lower() for word in split_name_words(name)}
+    return not words.isdisjoint(_SLOWED) or ("inertia" in words and not words.isdisjoint(_SCALING))
