@@ -224,3 +224,16 @@ def test_a_tensor_that_is_scaled_for_a_simulation_was_chosen(
     text = text.replace("<robot", '<robot xmlns:xacro="http://ros.org/wiki/xacro"', 1)
     (finding,) = find(tmp_path, text, "INR005", name="r.urdf.xacro")
     assert finding.message_id == message
+
+
+@pytest.mark.parametrize("by_argument", [False, True])
+def test_zeros_of_an_argument_are_no_rounding(tmp_path: Path, by_argument: bool) -> None:
+    moment = "$(arg J1)" if by_argument else "0.0"
+    part = f'<inertial><mass value="0.1"/><inertia ixx="1e-6" iyy="{moment}" izz="{moment}" ixy="0" ixz="0" iyz="0"/></inertial>'
+    text = make_chain(part).replace("<link", '<xacro:arg name="J1" default="0.0"/><link', 1)
+    text = text.replace("<robot", '<robot xmlns:xacro="http://ros.org/wiki/xacro"', 1)
+    (finding,) = find(tmp_path, text, "INR003", name="r.urdf.xacro")
+    assert finding.fix is not None
+    assert (finding.cause is None) == by_argument
+    assert ("iyy, izz are 0, as if never filled in (argument J1)" in finding.message) == by_argument
+    assert ("or give argument J1 another value than 0" in finding.fix.title) == by_argument

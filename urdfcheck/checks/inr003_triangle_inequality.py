@@ -200,8 +200,16 @@ def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding
         "percent": excess * 100,
         "typed": typed.typed_digits,
         "digits": typed.digits,
-        "slips": _COPIED if _is_copied(declared) else _COMPUTED,
+        "slips": _describe_slips(declared),
     }
+
+
+def _describe_slips(declared: DeclaredTensor) -> str:
+    from urdfcheck.model.inertials.proposals.zero_moments import list_zero_sources
+
+    if sources := list_zero_sources(declared):
+        return f", or give {join_names(sources)} another value than 0"
+    return _COPIED if _is_copied(declared) else _COMPUTED
 
 
 def _is_copied(declared: DeclaredTensor) -> bool:

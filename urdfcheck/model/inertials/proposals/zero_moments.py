@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 _OF_POINT = 1e-3
 # Programs that round a moment (kg m²) keep more than two decimals.
 _FEW_DECIMALS = 5e-3
+# How a zero is typed.
+_ZEROS = frozenset({"0", "0.0", "0."})
 # Where the moments are in ``ixx ixy ixz iyy iyz izz``.
 _DIAGONAL = (0, 3, 5)
 
@@ -34,8 +36,12 @@ def has_lost_moment(model: Model, declared: DeclaredTensor) -> bool:
 
 
 def has_bare_zeros(declared: DeclaredTensor) -> bool:
-    """Whether two moments were typed as 0 without decimals, beside one that no program rounds so: 1e-6 is one of few decimals."""
+    """Whether two moments were typed as 0 and not rounded: without decimals, beside one that no program rounds so, for 1e-6 is
+    one of few decimals; or in properties and arguments, which no program writes."""
     texts = [declared.texts[place] for place in _DIAGONAL]
+    handed = [i for i in _list_zero_moments(declared) if declared.get_attribute(_DIAGONAL[i]).collect_definitions()]
+    if len(handed) == len(texts) - 1:
+        return True
     return texts.count("0") == len(texts) - 1 and float(np.abs(declared.tensor.diagonal()).max()) >= _FEW_DECIMALS
 
 
@@ -91,4 +97,12 @@ def describe_zero_moments(declared: DeclaredTensor) -> str:
     """Say which moments are zero where these are more than a rod has; empty otherwise."""
     zeros = _list_zero_moments(declared)
     names = join_names(TENSOR_NAMES[_DIAGONAL[i]] for i in zeros)
-    return f"; {names} are 0, as if never filled in" if len(zeros) > 1 else ""
+    sources = join_names(list_zero_sources(declared))
+    return f"; {names} are 0, as if never filled in{f' ({sources})' if sources else ''}" if len(zeros) > 1 else ""
+
+
+def list_zero_sources(declared: DeclaredTensor) -> list[str]:
+    """List the properties and arguments that are 0, and from which moments of zero are computed."""
+    zeros = [declared.get_attribute(_DIAGONAL[i]) for i in _list_zero_moments(declared)]
+    definitions = [definition for attribute in zeros for definition in attribute.collect_definitions()]
+    return list(dict.fromkeys(f"{d.kind} {d.name}" for d in definitions if d.value.strip() in _ZEROS))
