@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, cylinder, find, inertial, joint, limit, link, mesh, robot, visual
+from builders import box, collision, cylinder, find, inertial, joint, limit, link, mesh, robot, visual
 from castings import CASTING, geometry, uniform, write_stl
 from conftest import check_text
 
@@ -237,3 +237,47 @@ def test_zeros_of_an_argument_are_no_rounding(tmp_path: Path, by_argument: bool)
     assert (finding.cause is None) == by_argument
     assert ("iyy, izz are 0, as if never filled in (argument J1)" in finding.message) == by_argument
     assert ("or give argument J1 another value than 0" in finding.fix.title) == by_argument
+
+
+CAMERA = '<gazebo reference="camera"><sensor name="s" type="camera"><plugin name="c" filename="libcamera.so"/></sensor></gazebo>'
+
+
+PUSHED = CAMERA + '<gazebo><plugin name="m" filename="libmove.so"/></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("more", "moment", "kind", "expected"),
+    [
+        (CAMERA, 3, "fixed", ("stand", Severity.INFO)),
+        (CAMERA, 100, "fixed", ("placeholder", Severity.WARNING)),  # a body so heavy to turn behaves oddly anywhere
+        (CAMERA, 3, "continuous", ("placeholder", Severity.WARNING)),
+        (PUSHED, 3, "fixed", ("placeholder", Severity.WARNING)),
+        ("", 3, "fixed", ("placeholder", Severity.WARNING)),
+    ],
+)
+def test_the_stand_of_sensors_needs_no_inertia(
+    tmp_path: Path, more: str, moment: float, kind: str, expected: tuple[str, Severity]
+) -> None:
+    stand = link("camera", inertial(10, moment), *(f(box("0.5 0.5 0.1")) for f in (visual, collision)))
+    text = robot(link("base_footprint"), stand, joint("j", "base_footprint", "camera", kind=kind), more)
+    (finding,) = find(tmp_path, text, "INR007")
+    assert (finding.message_id, finding.severity) == expected
+
+
+@pytest.mark.parametrize(
+    ("more", "severity"), [(CAMERA, Severity.INFO), (PUSHED, Severity.WARNING), ("", Severity.WARNING)]
+)
+def test_a_camera_alone_may_have_a_token_mass(tmp_path: Path, more: str, severity: Severity) -> None:
+    text = robot(link("camera", inertial(1e-5, 1e-6), visual(box("0.1 0.1 0.1"))), more)
+    (finding,) = find(tmp_path, text, "INR015")
+    assert finding.severity is severity
+
+
+@pytest.mark.parametrize(("added", "severity"), [("", Severity.INFO), ('<link name="arm"/>', Severity.WARNING)])
+def test_a_file_that_only_includes_a_camera_does_not_move_it(tmp_path: Path, added: str, severity: Severity) -> None:
+    camera = robot(link("camera", inertial(1e-5, 1e-6), visual(box("0.1 0.1 0.1"))), CAMERA, xacro=True)
+    (tmp_path / "package.xml").write_text('<package format="3"><name>p</name></package>', encoding="utf-8")
+    user = f'<xacro:include filename="$(find other_name)/camera.urdf.xacro"/>{added}<gazebo><static>false</static></gazebo>'
+    (tmp_path / "user.urdf.xacro").write_text(robot(user, xacro=True), encoding="utf-8")
+    findings = check_text(tmp_path, camera, "camera.urdf.xacro", codes={"INR015"}).findings
+    assert [one.severity for one in findings if one.code == "INR015"] == [severity]

@@ -23,7 +23,7 @@ from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose,
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
-from urdfcheck.model.motion.fixed_base import is_ballast, is_untouched, list_unturned_links
+from urdfcheck.model.motion.fixed_base import is_ballast, is_sensor_stand, is_untouched, list_unturned_links
 from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
@@ -48,6 +48,8 @@ _ROOM, _ROOM_NAME = (
     3.0,
     re.compile(r"(?:^|[^a-z])(?:floor|wall|ceiling|room|building|corridor)s?(?![a-z])", re.IGNORECASE),
 )
+# What only carries sensors stands as firmly with so many times its moments, or one part of these (chosen).
+_OF_STAND = 100.0
 # A link of at most this mass in kg that nothing is fixed to is the marker of a point. So small a moment in kg m² was chosen for
 # it: it keeps an engine stable, and the rotor of the smallest drive has more.
 _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
@@ -272,11 +274,13 @@ def _build_tensor_finding(
         is_estimate = worst.misfit.factor <= estimate
         is_bodiless = is_untouched(model)
         is_absorbed = not unknown and are_absorbed(model, [suspect.declared.link for suspect in known])
+        is_stand = worst.misfit.factor <= _OF_STAND and is_sensor_stand(model)
         kinds = {
             "bolted": is_bolted,
             "chosen": is_chosen,
             "estimate": is_estimate,
             "untouched": is_bodiless,
+            "stand": is_stand,
             "absorbed": is_absorbed,
             "placeholder": is_felt,
         }
@@ -289,14 +293,18 @@ def _build_tensor_finding(
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
             severity=Severity.INFO
-            if is_bolted or is_bodiless or is_chosen or is_estimate or is_absorbed
+            if is_bolted or is_bodiless or is_stand or is_chosen or is_estimate or is_absorbed
             else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
-            consequences=_UNFELT if message in {"untouched", "absorbed"} else too_large if is_less else _TOO_SMALL,
+            consequences=_UNFELT
+            if message in {"untouched", "stand", "absorbed"}
+            else too_large
+            if is_less
+            else _TOO_SMALL,
             **data,
         )
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))

@@ -15,6 +15,7 @@ from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
+from urdfcheck.source.uses_elsewhere import read_includers
 
 # Parts on which a robot drives, swims or flies. A base_footprint is the place of a mobile robot on the ground.
 _MOBILE_NAME = re.compile(
@@ -28,6 +29,8 @@ HANDLING_NAME = re.compile(
 )
 # What fingers are on.
 _PALM_NAME = re.compile(r"hand|palm|gripper", re.IGNORECASE)
+# What makes a file that includes a model more than another name for it: parts, a plugin, or a second file.
+_ADDS = re.compile(r"<(?:xacro:include|joint|link|plugin|xacro:macro)\b")
 # A root that weighs so many times what the rest of the robot does is ballast: a stand that is not to move.
 _BALLAST = 10.0
 # A single joint may be the lid of a box.
@@ -111,6 +114,25 @@ def is_untouched(model: Model) -> bool:
     parts = [link for link in model.links if link.inertial is not None or link.visuals or link.collisions]
     names = " ".join(link.name for link in model.links)
     return len(parts) == 1 and not parts[0].collisions and _MOBILE_NAME.search(names) is None
+
+
+@fact
+def is_sensor_stand(model: Model) -> bool:
+    """Whether a model only carries sensors of a simulator: no joint of it moves, no plugin but theirs is in it, no part of it is
+    that of a robot that drives, swims or flies, and no file that includes it adds anything that moves it."""
+    if any(joint.is_movable for joint in model.joints):
+        return False
+    includers = read_includers(model.source).values() if model.source.is_part else ()
+    if model.source.is_part and (not includers or any(len(_ADDS.findall(text)) > 1 for text in includers)):
+        return False
+    inside = [element for block in model.robot.find_children("gazebo") for element in block.walk()]
+    sensors = [element for element in inside if element.tag == "sensor"]
+    of_sensors = {id(element) for sensor in sensors for element in sensor.walk()}
+    if not sensors or any(element.tag == "plugin" and id(element) not in of_sensors for element in inside):
+        return False
+    # The pedestal of an example has the frames of a robot.
+    names = " ".join(link.name for link in model.links).replace("footprint", "")
+    return not any(pattern.search(names) for pattern in (LEG, WHEEL_NAME, CASTER_NAME, _MOBILE_NAME))
 
 
 def is_ballast(model: Model, links: Sequence[str]) -> bool:
