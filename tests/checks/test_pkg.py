@@ -826,6 +826,37 @@ def test_a_spelling_that_leads_to_no_file_either_says_so(tmp_path: Path, paths: 
 
 
 @pytest.mark.parametrize(
+    ("paths", "there", "edits", "rest"),
+    [
+        (["package://STLs\\a.stl"], ["meshes/a.stl"], ["package://p/meshes/a.stl"], ", where the file is"),
+        (
+            ["package://STLs\\a.stl", "package://STLs\\gone.stl"],
+            ["meshes/a.stl"],
+            ["package://p/meshes/a.stl", "package://p/meshes/gone.stl"],
+            ", where the file is, and the others likewise; not all these files are there",
+        ),
+        (["..\\stl\\a.stl"], ["meshes/a.stl"], ["../meshes/a.stl"], ", where the file is"),
+        # Two files of the name, and one of another part: which is meant is not known.
+        (["..\\stl\\a.stl"], ["x/a.stl", "y/a.stl"], ["../stl/a.stl"], "; that file is missing too"),
+        (["..\\stl\\a.stl"], ["gripper/a.stl"], ["../stl/a.stl"], "; that file is missing too"),
+        (
+            ["..\\stl\\a.stl", "..\\stl\\b.stl"],
+            [],
+            ["../stl/a.stl", "../stl/b.stl"],
+            ", and the others likewise; none of these files is there",
+        ),
+    ],
+)
+def test_a_plain_path_that_does_not_exist_either_is_not_written_where_the_file_is_elsewhere(
+    tmp_path: Path, paths: list[str], there: list[str], edits: list[str], rest: str
+) -> None:
+    finding = only(audit(package(tmp_path, *there), make_mesh_link("a", *paths), codes={"PKG011"}))
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == edits
+    assert finding.fix.title == f"write `{edits[0]}`{rest}"
+
+
+@pytest.mark.parametrize(
     ("place", "named", "there", "severity"),
     [
         ("urdf/r.urdf", "r.urdf", "", Severity.ERROR),

@@ -16,6 +16,7 @@ from urdfcheck.source.launch.built_files import find_making_build, is_git_ignore
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.package.folder_words import is_in_folder_of_another, split_folder_words
 from urdfcheck.source.package.similar_files import (
     MOVED,
     FilesByName,
@@ -75,13 +76,6 @@ _REPAIRS = {
 }
 
 
-# What folders of meshes are called, whatever the robot is.
-_FOLDER_WORDS = frozenset({
-    *("3d", "assets", "backup", "bin", "binary", "cad", "col", "collada", "collision", "collisions", "coarse", "convex", "dae"),
-    *("description", "fine", "full", "glb", "high", "hull", "low", "lowpoly", "media", "mesh", "meshes", "model", "models"),
-    *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified"),
-    *("src", "step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
-})  # fmt: skip
 # Formats of OpenSceneGraph, which of the robot programs UWSim alone reads.
 _OSG_SUFFIXES = frozenset({".osg", ".osgb", ".osgt", ".ive"})
 # What is to be filled in by hand: `ABSOLUTE_PATH_TO_MESHES`, `<mesh folder>`.
@@ -555,7 +549,7 @@ def _find_similar_files(path: Path, index: FilesByName, source: Source) -> list[
     """
     used = {use.resource.path.parent for use in list_resource_uses(source) if use.resource.exists and use.resource.path}
     named = [p for p in index.get(path.name.lower(), []) if p != path and not is_of_variant(path, p)]
-    same = [p for p in named if normalise_path(p.parent) in used or not _is_in_folder_of_another(path, p)]
+    same = [p for p in named if normalise_path(p.parent) in used or not is_in_folder_of_another(path, p)]
     try:
         beside = os.listdir(path.parent)
     except OSError:
@@ -572,7 +566,7 @@ def _find_similar_files(path: Path, index: FilesByName, source: Source) -> list[
 
 def _is_for_other_shapes(path: Path, other: Path) -> bool:
     """Whether one path is in a folder of visuals and the other in one of collisions, whose meshes are coarse."""
-    kinds = [{word for part in place.parent.parts for word in _split_words(part)} for place in (path, other)]
+    kinds = [{word for part in place.parent.parts for word in split_folder_words(part)} for place in (path, other)]
     return any(one & _DRAWN and two & _TOUCHED and not (one & _TOUCHED) for one, two in (kinds, kinds[::-1]))
 
 
@@ -584,21 +578,6 @@ def _find_other_format(path: Path) -> Path | None:
         return None
     found = [other for other in beside if other.stem == path.stem]
     return found[0] if len(found) == 1 else None
-
-
-def _is_in_folder_of_another(path: Path, other: Path) -> bool:
-    """Whether a file is in a folder that is neither on the way to a missing one nor named after what it holds.
-
-    ``gripper/base.stl`` is not the ``base.stl`` of an arm; ``visual/base.stl`` may be.
-    """
-    path, other = path.absolute(), other.absolute()
-    common = Path(os.path.commonpath([path, other]))
-    names = {word for part in path.parts for word in _split_words(part)}
-    return any(not _split_words(part) <= names | _FOLDER_WORDS for part in other.parent.relative_to(common).parts)
-
-
-def _split_words(name: str) -> set[str]:
-    return {word for word in re.split(r"[^a-z0-9]+", name.lower()) if word}
 
 
 def _find_link_name(use: ResourceUse) -> str:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import field
+from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
@@ -12,10 +13,14 @@ from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.package.finder import Package
+from urdfcheck.source.package.folder_words import is_in_folder_of_another
+from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import (
     ResourceUse,
     find_first_file,
     find_machine_path,
+    format_path_from_model,
+    get_path_in_package,
     is_misspelt,
     list_resource_uses,
     normalize_spelling,
@@ -102,7 +107,8 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
     exists = bool(lost) and all(
         source.finder.resolve_resource(normalize_spelling(u.resource.text), source.path.parent).exists for u in lost
     )
-    edits = [edit for use in problem.uses for edit in _propose_edits(use, source)]
+    moved = _find_moved(problem, source)
+    edits = [edit for use in problem.uses for edit in _propose_edits(use, source, moved)]
     return rule.finding(
         problem.message,
         at=at,
@@ -116,7 +122,7 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
         part=problem.part,
         scheme=problem.part,
         letters="".join(sorted({c for c in problem.part if not c.isascii()})[:10]),
-        repair=_describe_suggestion(problem, source)
+        repair=_describe_suggestion(problem, source, moved)
         if problem.suggestion
         else "correct the path: no file has this name, and `_` is better than blanks in one"
         if lost and not exists
@@ -129,14 +135,70 @@ def _build_finding(problem: _PathProblem, source: Source, rule: Rule) -> Finding
     )
 
 
-def _describe_suggestion(problem: _PathProblem, source: Source) -> str:
-    """Say what to write, and what is still missing then."""
+def _describe_suggestion(problem: _PathProblem, source: Source, moved: Mapping[str, str]) -> str:
+    """Say what to write, and what is still missing then; ``moved`` has the places of files by the plain paths to them."""
     likewise = ", and the others likewise" if len({use.resource.text for use in problem.uses}) > 1 else ""
     found = (_classify_path_problem(use, source) for use in problem.uses)
-    meant = {one.suggestion for one in found if one is not None and one.suggestion is not None}
-    missing = [p for p in meant if not source.finder.resolve_resource(p, source.path.parent).exists]
-    rest = "" if not missing else "; that file is missing too" if not likewise else "; not all these files are there"
-    return f"write `{problem.suggestion}`{likewise}{rest}"
+    meant = {
+        moved.get(one.suggestion, one.suggestion) for one in found if one is not None and one.suggestion is not None
+    }
+    missing = [p for p in meant if not _exists(p, source)]
+    rest = (
+        "" if not missing
+        else "; that file is missing too" if not likewise
+        else "; none of these files is there" if len(missing) == len(meant)
+        else "; not all these files are there"
+    )  # fmt: skip
+    first = moved.get(problem.suggestion or "", problem.suggestion)
+    where = ", where the file is" if first in moved.values() else ""
+    return f"write `{first}`{where}{likewise}{rest}"
+
+
+def _find_moved(problem: _PathProblem, source: Source) -> dict[str, str]:
+    """Return for plain paths that lead nowhere either those of the files that are meant, if all that are found are in one folder:
+    each is the only file of its name in the package. What is not found belongs there, too."""
+    found = (_classify_path_problem(use, source) for use in problem.uses)
+    lost = {
+        one.suggestion for one in found if one is not None and one.suggestion and not _exists(one.suggestion, source)
+    }
+    places = {plain: place for plain in lost if (place := _find_file_of_name(plain, source)) is not None}
+    folders = {place.parent for place in places.values()}
+    if len(folders) != 1 or len({PurePosixPath(plain).parent for plain in lost}) != 1:
+        return {}
+    folder = folders.pop()
+    return {plain: _format_path(folder / PurePosixPath(plain).name, plain, source) for plain in lost}
+
+
+def _find_package(plain: str, source: Source) -> tuple[str, Path] | None:
+    """Return the package that a path names if it is found, or that of the model, and its folder."""
+    name = source.finder.resolve_resource(plain, source.path.parent).package
+    folder = source.finder.find(name) if name else None
+    if name and folder is not None:
+        return name, folder
+    return None if source.package is None else (source.package.name, source.package.path)
+
+
+def _find_file_of_name(plain: str, source: Source) -> Path | None:
+    """Return the only file of a path's name in the package; not one that is in the folder of another part."""
+    package = _find_package(plain, source)
+    if package is None or not source.finder.can_open(package[1]):
+        return None
+    resource, wanted = source.finder.resolve_resource(plain, source.path.parent), PurePosixPath(plain).name
+    same = [path for path in index_files([package[1]]).get(wanted.lower(), []) if path.name == wanted]
+    expected = package[1] / get_path_in_package(plain, "") if resource.path is None else resource.path
+    return same[0] if len(same) == 1 and not is_in_folder_of_another(expected, same[0]) else None
+
+
+def _format_path(path: Path, plain: str, source: Source) -> str:
+    """Return the path of a file in the form of another one: in its package, or from the model's file."""
+    package = _find_package(plain, source) if _SCHEME.match(plain) else None
+    if package is None:
+        return format_path_from_model(path, source)
+    return f"package://{package[0]}/{path.relative_to(package[1]).as_posix()}"
+
+
+def _exists(path: str, source: Source) -> bool:
+    return source.finder.resolve_resource(path, source.path.parent).exists
 
 
 def _get_severity(problem: _PathProblem, source: Source) -> Severity | None:
@@ -156,7 +218,7 @@ def _is_for_ros1(package: Package | None) -> bool:
     return not package.depends_on_ament and not read_build_type(package.root).startswith("ament_")
 
 
-def _propose_edits(use: ResourceUse, source: Source) -> tuple[Edit, ...]:
+def _propose_edits(use: ResourceUse, source: Source, moved: Mapping[str, str]) -> tuple[Edit, ...]:
     problem = _classify_path_problem(use, source)  # paths with one problem have different corrections
     suggestion = None if problem is None else problem.suggestion
-    return () if suggestion is None else build_replacement_edits([use.attribute], suggestion)
+    return () if suggestion is None else build_replacement_edits([use.attribute], moved.get(suggestion, suggestion))
