@@ -582,6 +582,27 @@ def test_a_frame_that_a_launch_file_publishes_exists(tmp_path: Path) -> None:
         assert messages(package, MERGED + body, "GZB004") == expected
 
 
+@pytest.mark.parametrize(
+    ("launch", "expected"),
+    [
+        ('<arg name="extra_gazebo_args" value="-s libsonars.so"/>', []),
+        ('<node pkg="gazebo_ros" type="gzserver" name="g" args="world -s $(find package)/lib/libsonars.so"/>', []),
+        ("<!-- ['gzserver', '-s', 'libsonars.so'] -->", ["own-type"]),
+        ('<arg name="extra_gazebo_args" value="-s libgazebo_ros_factory.so"/>', ["own-type"]),
+        ('<arg name="extra_gazebo_args" value="--no-s libsonars.so"/>', ["own-type"]),
+    ],
+)
+def test_a_plugin_that_gzserver_gets_may_add_a_type_of_sensor(tmp_path: Path, launch: str, expected: list[str]) -> None:
+    package = tmp_path / "package"
+    (package / "launch").mkdir(parents=True)
+    (package / "package.xml").write_text("<package><name>package</name></package>")
+    (package / "launch" / "robot.launch").write_text(f"<launch>{launch}</launch>")
+    body = block("base", sensor("acme_dvl", '<plugin name="p" filename="libacme_dvl.so"/>'))
+    assert messages(package, MERGED + body, "GZB004") == expected
+    near = block("base", sensor("camra", RATE + '<plugin name="p" filename="libacme_dvl.so"/>'))
+    assert messages(package, MERGED + near, "GZB004") == ["type"]
+
+
 @pytest.mark.parametrize(("frame", "expected"), [("elsewhere", []), ("bsae", ["frame"])], ids=["unknown", "a typo"])
 @pytest.mark.parametrize("inside", ["robot", ""], ids=["of a package", "of none"])
 def test_a_frame_may_be_published_by_a_package_that_declares_nothing(

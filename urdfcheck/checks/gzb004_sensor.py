@@ -34,7 +34,7 @@ from urdfcheck.model.gazebo import (
     list_sensors,
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
-from urdfcheck.model.use.gazebo_starts import is_only_for_classic, names_successor
+from urdfcheck.model.use.gazebo_starts import is_only_for_classic, loads_system_plugin, names_successor
 from urdfcheck.model.use.project_texts import list_publishing_texts
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.text.tokens import read_typed_content
@@ -135,6 +135,8 @@ def _check_type(model: Model, sensor: GazeboSensor, rule: Rule) -> Iterator[Find
     is_own = (
         not near and any(element.tag == "plugin" for element in sensor.element.walk()) and not is_for_new_gazebo(model)
     )
+    if is_own and loads_system_plugin(model):
+        return
     yield rule.finding(
         "own-type" if is_own else "type",
         at=typed,

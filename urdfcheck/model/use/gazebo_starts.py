@@ -21,6 +21,10 @@ _SUCCESSOR = re.compile(r"\b(?:ros_gz|ros_ign|gz_sim|gz_ros2_control|ign_ros2_co
 _CLASSIC_START = re.compile(
     r"\b(?:gzserver|gzclient|spawn_entity\.py)\b|\bgazebo_ros\b[^\n]{0,80}(?:\b(?:gazebo|\w+_world)\.launch|\bspawn_model\b)"
 )
+# How launch files and scripts give gzserver a plugin of their own, which may add types of sensors; not those of gazebo_ros.
+_SYSTEM_PLUGIN = re.compile(
+    r"(?<![\w-])(?:-s|--server-plugin)[\s\"',=]+(?:\$\([^()]*\))?(?:[\w.-]*/)*lib(?!gazebo_ros_)\w[\w.-]*\.so\b"
+)
 # The engines of the new Gazebo that have mimic constraints, as launch files (--physics-engine) and worlds (<engine>) name them.
 _MIMIC_ENGINE = re.compile(r"gz-physics-(?:bullet-featherstone|mujoco)")
 # The option of Gazebo's spawners that puts a joint at a position.
@@ -60,6 +64,12 @@ def is_only_for_classic(model: Model) -> bool:
         return False
     plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
     return any(_CLASSIC_PLUGIN.search(plugin.get("filename")) for plugin in plugins) or starts_classic(model)
+
+
+def loads_system_plugin(model: Model) -> bool:
+    """Whether a file of the model's package, or of a package that depends on it, gives Gazebo Classic a plugin for the server,
+    other than those of gazebo_ros."""
+    return any(map(_SYSTEM_PLUGIN.search, list_project_texts(model)))
 
 
 def names_mimic_engine(model: Model) -> bool:
