@@ -2297,3 +2297,31 @@ def test_the_only_macro_of_the_file_that_is_included_just_before_a_call_may_be_m
     ) == is_meant
     assert finding.fix is not None
     assert ("move the include" in finding.fix.title) != is_meant
+
+
+@pytest.mark.parametrize(
+    ("name", "launched", "severity"),
+    [
+        ("car copy.urdf.xacro", "car.urdf.xacro", Severity.WARNING),
+        ("car (1).urdf.xacro", "car.urdf.xacro", Severity.WARNING),
+        ("car - Copy (2).urdf.xacro", "car.urdf.xacro", Severity.WARNING),
+        ("car_old.urdf.xacro", "car.urdf.xacro", Severity.WARNING),
+        ("car copy.urdf.xacro", "car copy.urdf.xacro", Severity.ERROR),
+        ("bus copy.urdf.xacro", "car.urdf.xacro", Severity.ERROR),
+    ],
+)
+def test_a_stray_copy_that_nothing_loads_is_to_be_deleted(
+    tmp_path: Path, name: str, launched: str, severity: Severity
+) -> None:
+    """Only where the file of which it is one is beside it, and no file names the copy."""
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch.py": f"os.path.join(get_package_share_directory('car'), 'urdf', '{launched}')",
+        "urdf/car.urdf.xacro": HEAD + '<link name="b"/></robot>',
+        f"urdf/{name}": f'{HEAD}<xacro:include filename="gone.xacro"/><link name="b"/></robot>',
+    }
+    write(tmp_path, files)
+    finding = only(check(tmp_path / "urdf" / name, codes={"XAC001"}))
+    assert (finding.severity, finding.blocks_check) == (severity, True)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete this file") == (severity is Severity.WARNING)

@@ -50,7 +50,7 @@ from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
-from urdfcheck.source.uses_elsewhere import is_unused
+from urdfcheck.source.uses_elsewhere import find_used_copy, is_unused
 from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -152,7 +152,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if passing is not None:
             told = "repair" if "repair" in report.data else "there"
             report.data[told] += f"; {format_path(passing)} passes one, known only at launch"
-        is_no_robot = _is_no_robot(source)
+        is_no_robot = _is_no_robot(source) or find_used_copy(source) is not None
         if is_no_robot and not str(report.data.get("repair", _DELETION)).startswith(_DELETION):
             report.data["repair"] = f"{_DELETION} {report.data['repair']}"
         finding = rule.finding(

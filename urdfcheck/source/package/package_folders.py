@@ -21,7 +21,11 @@ _ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
 # How longer names of such folders begin: `legacy_launch`.
 _ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "unused"})
 # What is added to the name of a file that is kept as it was, beside the one that is used.
-_KEPT_COPY = re.compile(r"(?<=\w)[._-](?:backup|bak|copy|old|ori|orig|original)(?=\.)", re.IGNORECASE)
+_KEPT_COPY = re.compile(
+    r"(?<=\w)(?:(?: - |[._ -])(?:backup|bak|copy|old|ori|orig|original)(?:[ _]?\d| \(\d+\))?"
+    r"| ?\((?:(?:\w+ )?copy|\d+)\))(?=\.)",
+    re.IGNORECASE,
+)
 # Which of these say that it is no longer used, whatever is beside it.
 _OLD_STATE = re.compile(r"(?<=\w)[._-](?:backup|bak|old)(?=\.)", re.IGNORECASE)
 # Folders of tests, by their names in lower case.
