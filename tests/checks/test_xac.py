@@ -2325,3 +2325,30 @@ def test_a_stray_copy_that_nothing_loads_is_to_be_deleted(
     assert (finding.severity, finding.blocks_check) == (severity, True)
     assert finding.fix is not None
     assert finding.fix.title.startswith("delete this file") == (severity is Severity.WARNING)
+
+
+REAR = 'a="$(arg rear_xyz)" b="$(arg rear_rpy)"'
+
+
+@pytest.mark.parametrize(
+    ("rear", "front", "message", "edit"),
+    [
+        (REAR, 'a="$(arg front_xyz)" b="$(arg rear_rpy)"', "sibling", "$(arg front_rpy)"),
+        (REAR, 'a="$(arg front_xyz)" b="${pi} $(arg rear_rpy) 0"', "sibling", "$(arg front_rpy)"),
+        # The sibling may have been meant: the two of its part are not read together, or it is beside none of the other part.
+        ('a="$(arg rear_rpy)"', 'a="$(arg front_xyz)" b="$(arg rear_rpy)"', "unused", ""),
+        (REAR, 'b="$(arg rear_rpy)"', "unused", ""),
+        (REAR, 'a="$(arg front_xyz)" b="$(arg rear_rpy)" c="$(arg rear_xyz)"', "unused", ""),
+    ],
+)
+def test_an_argument_that_is_not_read_where_it_is_meant_is_not_deleted(
+    tmp_path: Path, rear: str, front: str, message: str, edit: str
+) -> None:
+    names = ("front_xyz", "front_rpy", "rear_xyz", "rear_rpy")
+    declared = "".join(f'<xacro:arg name="{name}" default="0 0 0"/>' for name in names)
+    used = '<link name="$(arg front_xyz)$(arg rear_xyz)"/>'
+    parts = f"<link name='a'><visual {rear}/></link><link name='b'><visual {front}/></link>"
+    finding = only(xacro(tmp_path, declared + used + parts, {"XAC004"}))
+    assert (finding.message_id, finding.data["name"]) == (message, "front_rpy")
+    assert finding.fix is not None
+    assert [e.replacement for e in finding.fix.edits] == [edit]

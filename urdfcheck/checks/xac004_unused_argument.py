@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.source.load import Source, select_own_trees
-from urdfcheck.source.text.tokens import build_removal_edits
+from urdfcheck.source.text.tokens import build_removal_edits, locate_text
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
+from urdfcheck.source.xacro.argument_slips import ArgumentSlip, find_argument_slip
 from urdfcheck.source.xacro.usage import (
     collect_computed_arguments,
     collect_read_arguments,
@@ -28,8 +29,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     if not source.is_xacro or has_unseen_includes(source):
         return
     by_file: dict[str, list[Attribute]] = {}
-    for name in _find_unread_arguments(source):
-        by_file.setdefault(name.location.file, []).append(name)
+    unread = _find_unread_arguments(source)
+    declared = {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")} if unread else set[str]()
+    for name in unread:
+        slip = find_argument_slip(name.value, declared, select_own_trees(source))
+        if slip is None:
+            by_file.setdefault(name.location.file, []).append(name)
+        else:
+            yield _build_slip_finding(name, slip, source, rule)
     for file, (first, *others) in by_file.items():
         names = [name.value for name in (first, *others)]
         yield rule.finding(
@@ -47,6 +54,22 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             count=len(names),
             file=file,
         )
+
+
+def _build_slip_finding(name: Attribute, slip: ArgumentSlip, source: Source, rule: Rule) -> Finding:
+    """Report an argument for which a sibling was typed, at the place that reads that one."""
+    wrong, wanted = f"$(arg {slip.read})", f"$(arg {name.value})"
+    at = locate_text(slip.attribute, wrong, source.files)
+    return rule.finding(
+        "sibling",
+        at=at,
+        related=[name],
+        severity=Severity.WARNING,
+        edits=[Edit(at.span, wrong, wanted)] if at.span is not None and wrong in slip.attribute.typed else (),
+        name=name.value,
+        read=slip.read,
+        beside=slip.beside,
+    )
 
 
 def _find_unread_arguments(source: Source) -> list[Attribute]:
