@@ -650,6 +650,23 @@ def test_a_left_and_a_right_part_are_not_one_inside_the_other(
     assert ("coincident" in [finding.message_id for finding in findings]) == found
 
 
+@pytest.mark.parametrize(("height", "count"), [(0.02, 0), (0.018, 0), (0.008, 1), (-0.006, 1)])
+def test_fingers_that_are_drawn_as_mirror_images_are_in_place_whatever_their_frames_are(
+    tmp_path: Path, height: float, count: int
+) -> None:
+    """The origins flip y and z, and the mesh of one side is moved along z in its frame."""
+    parts = ["<link name='palm'/>"]
+    for side, xyz, sign, z in (("left", "0 0.028 0.013", 1, -0.006), ("right", "0 -0.028 -0.013", -1, height)):
+        bar, tip = (
+            f'<visual><origin xyz="{x} {sign * y} {z + up}"/><geometry><box size="{size}"/></geometry></visual>'
+            for x, y, up, size in ((0.01, 0.004, 0, "0.03 0.01 0.04"), (0.03, 0.009, 0.005, "0.02 0.006 0.01"))
+        )
+        parts.append(f'<link name="{side}_finger">{bar}{tip}</link>')
+        parts.append(joint(f"{side}_slide", "palm", f"{side}_finger", LIMIT, kind="prismatic", xyz=xyz, axis="0 1 0"))
+    found = find_slips(tmp_path, f'<robot name="r">{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["diagonal"] * count
+
+
 @pytest.mark.parametrize(("turn", "count"), [("0 0 3.14159265", 0), ("0 0 0", 1)])
 def test_fingers_that_are_drawn_half_a_turn_apart_are_opposite_in_two_coordinates(
     tmp_path: Path, turn: str, count: int

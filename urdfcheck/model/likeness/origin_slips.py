@@ -33,6 +33,8 @@ if TYPE_CHECKING:
 _SAME = 0.005
 # A coordinate that is smaller than this share of the origin's length, or than so many metres, has a sign by rounding.
 _LEAST_SHARE, _LEAST = 0.05, 2e-3
+# Drawings that are so many times nearer to mirror images than the frames of their joints show where the parts are (chosen).
+_NEARER = 5.0
 # Two parts whose centroids are nearer than this share of their radius are inside each other.
 _INSIDE = 0.5
 # So many limbs have one joint each before one of them can be the odd one: of three, one may be the middle.
@@ -291,8 +293,8 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
     """Yield left and right joints on one link whose origins differ in the signs of two coordinates, and in nothing else.
 
     A mirror flips one coordinate, and half a turn flips two and turns the frame: so the frames are parallel, or turned like those
-    of another pair which flips one. The joints of that pair come third. Where the drawing is turned in its frame instead, both
-    are in place.
+    of another pair which flips one. The joints of that pair come third. Where the drawing is turned or moved in its frame
+    instead, both are in place.
 
     :raises FactUnavailableError: when the tree is broken or an origin is malformed.
     """
@@ -309,8 +311,30 @@ def iter_diagonal_twins(model: Model) -> Iterator[tuple[Joint, Joint, tuple[Join
     for one, other, count, turn in pairs:
         is_parallel = np.abs(turn - np.eye(3)).max() < _PARALLEL
         shown = () if is_parallel else next((known[:2] for known in pairs if _shows_turn(known, one, turn)), ())
-        if count == 2 and (is_parallel or shown) and not _are_drawn_half_turned(model, one, other):
+        if count != 2 or not (is_parallel or shown) or _are_drawn_mirrored(model, one, other):
+            continue
+        if not _are_drawn_half_turned(model, one, other):
             yield one, other, shown
+
+
+def _are_drawn_mirrored(model: Model, one: Joint, other: Joint) -> bool:
+    """Whether what the links of two joints draw is far nearer to mirror images, about a plane through the frame of their parent,
+    than the joints are, whose origins differ in the signs of two coordinates: the meshes are placed otherwise in their frames."""
+    one_place, other_place = compute_centroid(model, one.child), compute_centroid(model, other.child)
+    if one_place is None or other_place is None:
+        return False
+    parent, first, second = (
+        model.frames[one.parent],
+        *(np.array(joint.origin.xyz or (0.0, 0.0, 0.0)) for joint in (one, other)),
+    )
+    near, far = ((place - parent[:3, 3]) @ parent[:3, :3] for place in (one_place, other_place))
+    for axis in np.flatnonzero(first * second < 0.0):
+        flip = np.ones(3)
+        flip[axis] = -1.0
+        drawn, off = (float(np.linalg.norm(flip * here - there)) for here, there in ((near, far), (first, second)))
+        if _NEARER * drawn <= off:
+            return True
+    return False
 
 
 def _are_drawn_half_turned(model: Model, one: Joint, other: Joint) -> bool:
