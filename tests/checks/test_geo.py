@@ -588,6 +588,20 @@ def test_how_far_origins_may_differ(tmp_path: Path, visual: str, collision: str,
     assert bool(find(tmp_path, robot(link("a", inside)), "GEO005")) == found
 
 
+@pytest.mark.parametrize(
+    ("solid", "origin", "found"),
+    [
+        ('<cylinder radius="0.01" length="0.06"/>', 'xyz="0 0 0.001"', False),
+        ('<cylinder radius="0.01" length="0.06"/>', 'xyz="0 0 0.0011"', True),
+        ('<cylinder radius="0.01" length="0.06"/>', 'xyz="0 0 0.001" rpy="0.1 0 0"', True),
+        ('<mesh filename="part.stl"/>', 'xyz="0 0 0.001"', True),
+    ],
+)
+def test_a_millimetre_between_primitives_changes_nothing(tmp_path: Path, solid: str, origin: str, found: bool) -> None:
+    inside = geometry("visual", solid, f"<origin {origin}/>") + geometry("collision", solid, "")
+    assert bool(find(tmp_path, robot(link("a", inside)), "GEO005")) == found
+
+
 @pytest.mark.parametrize(("moved", "severity"), [("0.0099", Severity.INFO), ("0.0101", Severity.WARNING)])
 def test_more_than_a_centimetre_is_a_warning(tmp_path: Path, moved: str, severity: Severity) -> None:
     inside = placed("visual") + placed("collision", f'<origin xyz="{moved} 0 0"/>')

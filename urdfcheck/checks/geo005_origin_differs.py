@@ -12,6 +12,9 @@ from urdfcheck.model.shapes.displaced_collisions import DisplacedCollision, list
 
 # A COM is that of the collision if it is so near, as a share of the size, and so many times nearer than to the visual.
 _NEAR, _NEARER = 0.25, 3.0
+# Primitives are placed by hand, and drawn a little off others that would flicker: no further than the margin that Bullet adds to
+# each (m; the option ``distance`` has its name), with what rounding leaves.
+_MARGIN = 1.000001e-3
 # So many links are drawn rotated alike on purpose.
 _VIEWED = 3
 _EITHER = "copy the <origin> of the <visual> to the <collision>, or vice versa, whichever is right"
@@ -39,6 +42,9 @@ def check(
         # An angle in degrees is not one in radians (JNT012): how far the two are rotated is not known before it is corrected.
         is_known = not displaced.has_angles_beyond_turns
         if not is_known and displaced.moved <= distance:
+            continue
+        is_turned = is_known and displaced.turned > angle
+        if collision.shape.kind != "mesh" and displaced.moved <= _MARGIN and not is_turned:
             continue
         xyz = collision.shape.origin.get_attribute("xyz")
         nearer = _compare_com_distances(model, displaced.link)
