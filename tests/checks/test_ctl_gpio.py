@@ -56,3 +56,29 @@ def test_a_file_that_nothing_names_may_be_for_other_hardware(tmp_path: Path) -> 
     assert list_missing(tmp_path / "none", other, block="") == []
     alone = TYPES.replace("arm: {ros__parameters: {joints: [swing]}}\n", "")
     assert list_missing(tmp_path / "alone", "command_interfaces: {valve: [out.2]}", types=alone) == []
+
+
+@pytest.mark.parametrize(
+    ("launch", "messages"),
+    [
+        ("Node(package='controller_manager', executable='spawner', arguments=['arm'])", ["gpio-unstarted"]),
+        ("Node(package='controller_manager', executable='spawner', arguments=['arm', 'valves'])", ["gpio"]),
+        (
+            "# valves\nExecuteProcess(cmd=['ros2', 'control', 'load_controller', '--set-state', 'active', 'arm'])",
+            ["gpio-unstarted"],
+        ),
+        ("Node(package='controller_manager', executable='spawner', arguments=[LaunchConfiguration('name')])", ["gpio"]),
+        ("Node(package='robot_state_publisher', arguments=['arm'])", ["gpio"]),
+    ],
+)
+def test_what_a_controller_claims_that_is_never_started_is_a_note_on_request(
+    tmp_path: Path, launch: str, messages: list[str]
+) -> None:
+    files = {
+        "package.xml": PACKAGE,
+        "launch/cell.launch.py": launch,
+        "config/controllers.yaml": f"{TYPES}valves: {{ros__parameters: {{command_interfaces: {{valve: [out.2]}}}}}}\n",
+        "urdf/robot.urdf": robot(*ARM, BLOCK),
+    }
+    found = find(tmp_path, files, "CTL004", name="urdf/robot.urdf")
+    assert [finding.message_id for finding in found] == messages

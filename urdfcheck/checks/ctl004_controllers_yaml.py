@@ -28,6 +28,7 @@ from urdfcheck.model.motion.controllers import (
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.model.use.controller_starts import is_left_unstarted
 from urdfcheck.model.use.simulators import is_simulated_hardware
 from urdfcheck.source.launch.built_files import find_template, is_git_ignored
 from urdfcheck.source.load import read_xacro_source
@@ -465,12 +466,14 @@ def _check_gpios(model: Model, rule: Rule, config: AssociatedConfiguration) -> I
             continue
         if own is None or claim.interface.text not in own:
             lacking.setdefault(claim.controller, []).append(claim)
+    names = {controller.name for controller in config.configuration.controllers}
     for controller, claims in lacking.items():
+        is_unstarted = is_left_unstarted(model, controller, names - {controller})
         yield rule.finding(
-            "gpio",
+            "gpio-unstarted" if is_unstarted else "gpio",
             at=claims[0].interface,
             related=[*(claim.interface for claim in claims[1:]), *_to_list(config.named_at)],
-            severity=Severity.WARNING,
+            severity=Severity.INFO if is_unstarted else Severity.WARNING,
             controller=controller,
             first=f"{claims[0].component.text}/{claims[0].interface.text}",
             missing=join_names(f"{c.component.text}/{c.interface.text} ({c.role})" for c in claims),
