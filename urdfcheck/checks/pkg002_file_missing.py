@@ -16,7 +16,6 @@ from urdfcheck.source.launch.built_files import find_making_build, is_git_ignore
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
-from urdfcheck.source.package.folder_words import is_in_folder_of_another, split_folder_words
 from urdfcheck.source.package.similar_files import (
     MOVED,
     FilesByName,
@@ -25,10 +24,12 @@ from urdfcheck.source.package.similar_files import (
     find_similar_name,
     find_uninstalled_file,
     index_files,
+    is_in_folder_of_another,
     is_of_variant,
     list_missing_submodules,
     normalise_path,
     select_python_data,
+    split_folder_words,
 )
 from urdfcheck.source.path_arguments import (
     find_missing_part,

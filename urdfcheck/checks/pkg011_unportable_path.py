@@ -13,8 +13,7 @@ from urdfcheck.core.text import find_nearest_name, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.build_files import read_build_type
 from urdfcheck.source.package.finder import Package
-from urdfcheck.source.package.folder_words import is_in_folder_of_another
-from urdfcheck.source.package.similar_files import index_files
+from urdfcheck.source.package.similar_files import index_files, is_in_folder_of_another
 from urdfcheck.source.resources import (
     ResourceUse,
     find_first_file,

@@ -8,11 +8,11 @@ from collections.abc import Iterator
 from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
+from urdfcheck.source.arguments.argument_slips import ArgumentSlip, find_argument_slip
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.text.tokens import build_removal_edits, locate_text
 from urdfcheck.source.text.xml import Attribute
 from urdfcheck.source.uses_elsewhere import collect_outside_mentions, has_unseen_includes
-from urdfcheck.source.xacro.argument_slips import ArgumentSlip, find_argument_slip
 from urdfcheck.source.xacro.usage import (
     collect_computed_arguments,
     collect_read_arguments,

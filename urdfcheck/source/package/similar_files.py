@@ -52,6 +52,13 @@ _WORDS_OF_MANY = frozenset({
     "bringup", "cmake", "common", "config", "control", "demo", "description", "gazebo", "interface", "launch", "model", "models",
     "moveit", "msgs", "package", "packages", "pkg", "robot", "robots", "ros", "simulation", "src", "support", "tools",
 })  # fmt: skip
+# What folders of meshes are called, whatever the robot is.
+_FOLDER_WORDS = frozenset({
+    *("3d", "assets", "backup", "bin", "binary", "cad", "col", "collada", "collision", "collisions", "coarse", "convex", "dae"),
+    *("description", "fine", "full", "glb", "high", "hull", "low", "lowpoly", "media", "mesh", "meshes", "model", "models"),
+    *("new", "obj", "old", "original", "ply", "poly", "res", "resources", "robot", "robots", "share", "simple", "simplified"),
+    *("src", "step", "stl", "stls", "textures", "urdf", "vis", "visual", "visuals"),
+})  # fmt: skip
 
 
 def index_files(roots: Iterable[Path]) -> FilesByName:
@@ -338,3 +345,19 @@ def _is_same_word(word: str, other: str) -> bool:
         return True
     is_long = min(len(word), len(other)) >= _SHORTEST_SLIP and not (word + other).isdigit()
     return is_long and difflib.SequenceMatcher(None, word, other).ratio() >= SLIP_LIKENESS
+
+
+def is_in_folder_of_another(path: Path, other: Path) -> bool:
+    """Whether a file is in a folder that is neither on the way to a missing one nor named after what it holds.
+
+    ``gripper/base.stl`` is not the ``base.stl`` of an arm; ``visual/base.stl`` may be.
+    """
+    path, other = path.absolute(), other.absolute()
+    common = Path(os.path.commonpath([path, other]))
+    names = {word for part in path.parts for word in split_folder_words(part)}
+    return any(not split_folder_words(part) <= names | _FOLDER_WORDS for part in other.parent.relative_to(common).parts)
+
+
+def split_folder_words(name: str) -> set[str]:
+    """Return the words of a folder's name in lower case."""
+    return {word for word in re.split(r"[^a-z0-9]+", name.lower()) if word}
