@@ -11,7 +11,6 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.model import Model
-from urdfcheck.model.motion.fixed_base import is_sensor_stand
 from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
 from urdfcheck.model.use.display import is_made_for_display, is_never_weighed
@@ -77,6 +76,8 @@ def check(
 
 def _is_unmoved(model: Model) -> bool:
     """Whether a model only carries sensors, or has no joint that moves and is only displayed: a token mass will do for it."""
+    from urdfcheck.model.motion.fixed_base import is_sensor_stand  # loads numpy
+
     return is_sensor_stand(model) or (not any(joint.is_movable for joint in model.joints) and is_never_weighed(model))
 
 

@@ -8,7 +8,6 @@ from dataclasses import replace
 from urdfcheck.core import Edit, Finding, Rule, Span
 from urdfcheck.facts.inertials.formulas.moments import AXES, WrongFormula, find_wrong_formula, write_formula
 from urdfcheck.model import DeclaredTensor, Model
-from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, parse_formula
 from urdfcheck.source.text.xml import Attribute
 
@@ -18,7 +17,10 @@ _ALONG = 0.9997
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    yield from set_chosen_aside(model, rule, _check(model, rule))
+    if findings := list(_check(model, rule)):
+        from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside  # loads numpy
+
+        yield from set_chosen_aside(model, rule, findings)
 
 
 def _check(model: Model, rule: Rule) -> Iterator[Finding]:
