@@ -342,8 +342,8 @@ class PackageFinder:
         return None if self._has_namesake_with(name, inside) else path
 
     def _has_namesake_with(self, name: str, inside: str) -> bool:
-        """Whether another folder of this name in the model's own package has a file: then the folder that lies nearest is not the
-        package, but one of several parts that are called so (``urdf/gripper``, ``meshes/gripper``)."""
+        """Whether another folder of this name in the model's own package has a file: then the nearest one is not the package, but
+        one of several parts that are called so (``urdf/gripper``, ``meshes/gripper``)."""
         own = self.find_package_of(self.start.absolute() / "package.xml")
         if own is None or not inside:
             return False

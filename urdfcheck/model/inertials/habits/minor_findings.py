@@ -162,7 +162,7 @@ def set_chosen_aside(
     """Make notes of the findings about links beside whose numbers a comment gives the reason, with the message ``chosen``.
 
     ``causes``: those of mistakes that no reason excuses; ``by_replaced``: a comment that holds another tensor, which the author
-    replaced, is one too; ``by_scaled``: so is the name of a factor in the tensor, for what is no error.
+    replaced, is one too; ``by_scaled``: so is the name of a factor in the tensor, unless the finding is an error.
     """
     for finding in findings:
         links = [] if finding.cause is not None and finding.cause.id in causes else _list_links(model, finding)
