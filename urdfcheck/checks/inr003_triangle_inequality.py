@@ -14,7 +14,6 @@ from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.fixed_joint_lumping import predict_gazebo
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, is_world_link
-from urdfcheck.model.use.gazebo_starts import is_only_for_classic
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value
 
@@ -34,11 +33,7 @@ _BALANCED = "replaces the three moments by their mean: balanceinertia is set"
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
     # Copies of one finger are one finding.
     findings = _check_each_link(model, rule, rel_tol=rel_tol, rounding=rounding)
-    merged = list(merge_identical(rule, findings, "link", "other"))
-    if merged and is_only_for_classic(model):  # it loads them: what its authors saw there is no surprise
-        from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside  # loads numpy
-
-        merged = list(set_chosen_aside(model, rule, merged))
+    merged = merge_identical(rule, findings, "link", "other")
     if not has_mujoco_option(model.robot, "balanceinertia", "true"):
         yield from merged
         return
