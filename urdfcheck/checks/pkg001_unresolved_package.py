@@ -383,10 +383,13 @@ def _find_files_here(uses: Sequence[ResourceUse], source: Source) -> dict[str, P
 
 
 def _find_in_folder_beside(uses: Iterable[ResourceUse], source: Source) -> dict[str, Path]:
-    """Return for each text the file of its name in one folder beside the model that has them all, if they are several."""
+    """Return for each text the file of its name in one folder beside the model that has them all, if they are several.
+
+    None of two with one name is known to be that file.
+    """
     names = {use.resource.text: PurePosixPath(use.resource.text).name for use in uses}
     around = source.path.absolute().parent
-    if len(names) < _LEAST_FILES or not source.finder.can_open(around):
+    if not _LEAST_FILES <= len(names) == len({*names.values()}) or not source.finder.can_open(around):
         return {}
     here, folders, _ = next(walk(around), ("", [], []))
     places = (Path(here, folder) for folder in sorted(folders) if not folder.startswith("."))
@@ -405,7 +408,7 @@ def _find_rosbuild_folder(source: Source, package: str, at: Location) -> Path | 
     inside = _read_path_behind(at, source)
     folders = [] if source.package is not None or not package or not inside else source.finder.list_parent_folders()
     own = (f for f in folders if is_rosbuild_package(f) and source.finder.can_open(f / inside))
-    return next((f for f in own if (f / inside).is_file()), None)
+    return next((f for f in own if os.path.isfile(f / inside)), None)
 
 
 def _is_named_by_checkout(source: Source, folder: Path) -> bool:
@@ -560,7 +563,7 @@ def _describe_scaled_file(near: Sequence[str], package: str, uses: Sequence[Reso
     """Say before the repair that the first file in the only package that may be meant goes with another scale; else nothing."""
     folder = source.finder.find(near[0]) if len(near) == 1 and uses and package else None
     inside = get_path_in_package(uses[0].resource.text, package) if uses else ""
-    if folder is None or not source.finder.can_open(folder / inside) or not (folder / inside).is_file():
+    if folder is None or not _has_all_files(folder, [inside], source):
         return ""
     scale = _describe_other_scale(uses, source, folder / inside)
     return f"write `package://{near[0]}/{inside}`{scale}; or " if scale else ""

@@ -403,7 +403,7 @@ class PackageFinder:
     def _has_any_file(self, package: str, files: Iterable[str]) -> bool:
         folder = self.find(package)
         paths = [] if folder is None else [self.find_source(folder / name) for name in files]
-        return any(self.can_open(path) and path.is_file() for path in paths)
+        return any(self.can_open(path) and os.path.isfile(path) for path in paths)
 
     def _list_similar_names(self, name: str) -> list[str]:
         known = self.list_packages()
