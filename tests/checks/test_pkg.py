@@ -835,6 +835,12 @@ def test_a_spelling_that_leads_to_no_file_either_says_so(tmp_path: Path, paths: 
             ["package://p/meshes/a.stl", "package://p/meshes/gone.stl"],
             ", where the file is, and the others likewise; not all these files are there",
         ),
+        (
+            ["package://STLs\\gone.stl", "package://STLs\\a.stl"],
+            ["meshes/a.stl"],
+            ["package://p/meshes/gone.stl", "package://p/meshes/a.stl"],
+            ", and the others likewise; not all these files are there",
+        ),
         (["..\\stl\\a.stl"], ["meshes/a.stl"], ["../meshes/a.stl"], ", where the file is"),
         # Two files of the name, and one of another part: which is meant is not known.
         (["..\\stl\\a.stl"], ["x/a.stl", "y/a.stl"], ["../stl/a.stl"], "; that file is missing too"),
@@ -2437,3 +2443,11 @@ def test_files_of_an_unknown_package_in_a_folder_beside_a_model_of_no_package_ar
     assert finding.fix is not None
     assert ("`meshes/a.stl`" in finding.fix.title) == is_found
     assert ("in meshes" in finding.message) == is_found
+
+
+def test_one_file_beside_a_model_does_not_stand_for_two_of_its_name(tmp_path: Path) -> None:
+    write(tmp_path, {f"m/meshes/{name}.stl": "" for name in "ab"})
+    paths = [f"package://head/{kind}/{name}.stl" for kind in ("visual", "collision") for name in "ab"]
+    finding = only(audit(tmp_path / "m/r.urdf", *(make_mesh_link(f"l{i}", path) for i, path in enumerate(paths))))
+    assert finding.fix is not None
+    assert "meshes" not in finding.fix.title

@@ -149,7 +149,7 @@ def _describe_suggestion(problem: _PathProblem, source: Source, moved: Mapping[s
         else "; not all these files are there"
     )  # fmt: skip
     first = moved.get(problem.suggestion or "", problem.suggestion)
-    where = ", where the file is" if first in moved.values() else ""
+    where = ", where the file is" if first in moved.values() and first not in missing else ""
     return f"write `{first}`{where}{likewise}{rest}"
 
 
