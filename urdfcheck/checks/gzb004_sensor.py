@@ -80,8 +80,7 @@ class _UnknownCollision:
     """The first few names of the shapes of the sensor's own link in SDF."""
 
 
-# The plugins of ROS for Gazebo Classic: of gazebo_plugins, gazebo_ros_control, hector_gazebo_plugins and others named like them.
-# Those that read `<frameName>` for ROS 1 and only `<frame_name>` for ROS 2.
+# The plugins of ROS for Gazebo Classic that read `<frameName>` for ROS 1 and only `<frame_name>` for ROS 2.
 _RENAMED_FRAME = re.compile(r"(?:lib)?gazebo_ros_(?:imu_sensor|ray_sensor|camera|gps_sensor)(?:\.so)?")
 # Gazebo Classic does not compare the names of sensors.
 _IN_CLASSIC = "loads them all under one name and one topic"
