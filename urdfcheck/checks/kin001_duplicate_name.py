@@ -67,9 +67,11 @@ def _find_needed_variant(model: Model, kind: str) -> StartedVariant | None:
     """Return what gives all parts of a kind their own names, if every file that starts the model passes it."""
     from urdfcheck.model.use.started_variants import find_needed_variant  # few models need it
 
-    return find_needed_variant(
-        model.source, lambda variant: len(names := variant.list_names(kind)) == len({*names}) and bool(names)
-    )
+    def has_own_names(variant: StartedVariant) -> bool:
+        names = variant.list_names(kind)
+        return 0 < len(names) == len({*names})
+
+    return find_needed_variant(model.source, has_own_names)
 
 
 def _check_repeated_names(
