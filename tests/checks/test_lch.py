@@ -1495,3 +1495,11 @@ def test_a_model_that_the_launch_file_writes_with_xacro_is_not_missing(
     node = f'<node pkg="xacro" type="xacro" name="x" args="{arguments}"/>'
     (finding,) = find_in_package(tmp_path, node + load("$(find car)/urdf/made.urdf"), "LCH001")
     assert finding.message_id == message
+
+
+def test_a_command_of_many_substitutions_is_searched_in_no_time(tmp_path: Path) -> None:
+    """Each of them may be read in one way only: in two, this takes hours."""
+    command = f"cp made.urdf > {'$(dirname)' * 60}"
+    node = f'<node pkg="a" type="b" name="x" args="{command}"/>'
+    (finding,) = find_in_package(tmp_path, node + load("$(find car)/urdf/made.urdf"), "LCH001")
+    assert finding.message_id == "file"

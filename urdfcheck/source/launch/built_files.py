@@ -219,8 +219,10 @@ def _get_text(node: ast.expr) -> str | ast.expr:
 
 def writes_file(roots: Iterable[Element], name: str) -> bool:
     """Whether a command in the attributes of an XML launch file writes a file of this name: ``xacro … -o path``."""
+    # A substitution is read as a whole only: read in two ways, thirty of them would take minutes.
     written = re.compile(
-        rf"(?:>|\s-o|--output)[\s=]*[\"']?(?:\$\([^()]*\)|[^\s\"'<>|;&])*/{re.escape(name)}(?=$|[\s\"'|;&])"
+        r"(?:>|\s-o|(?<![\w-])--output)[\s=]*[\"']?"
+        rf"(?:\$\([^()]*\)|(?!\$\([^()]*\))[^\s\"'<>|;&])*/{re.escape(name)}(?=$|[\s\"'|;&])"
     )
     values = (attribute.value for root in roots for element in root.walk() for attribute in element.attributes.values())
     return any(name in value and written.search(f" {value}") is not None for value in values)
