@@ -134,7 +134,7 @@ def find_passing_starter(source: Source, names: Collection[str]) -> Path | None:
     None if no file does, or if one that mentions Gazebo starts the model without.
     """
     first: Path | None = None
-    for starter, passed in _iter_argument_sets(source):
+    for starter, passed in _list_argument_sets(source):
         if any(name in passed or may_pass_argument(starter, name) for name in names):
             first = first or starter
         elif _GAZEBO.search(read_text_or_nothing(starter, MAX_PYTHON)):
@@ -151,11 +151,12 @@ def find_replaced_defaults(source: Source, names: Collection[str]) -> dict[str, 
         name: number for name, text in _read_defaults(source).items() if (number := parse_number(text)) is not None
     }
     wanted = [name for name in sorted(names) if name in defaults and name not in source.arguments]
-    sets = list(_iter_argument_sets(source)) if wanted else []
+    sets = _list_argument_sets(source) if wanted else ()
 
     def replaces(starter: Path, passed: Mapping[str, str], name: str) -> bool:
-        if name in passed:
-            return parse_number(passed[name]) != defaults[name]
+        if name in passed:  # `false` may be the same as 0
+            number = parse_number(passed[name])
+            return number is not None and number != defaults[name]
         return may_pass_argument(starter, name)
 
     return {
@@ -171,7 +172,7 @@ def _list_changes(source: Source) -> tuple[tuple[Path, Mapping[str, str]], ...]:
     now = {**_read_defaults(source), **source.arguments}
     return tuple(
         (starter, {name: value for name, value in passed.items() if name in now and value != now[name]})
-        for starter, passed in _iter_argument_sets(source)
+        for starter, passed in _list_argument_sets(source)
     )
 
 
@@ -182,6 +183,12 @@ def _read_defaults(source: Source) -> dict[str, str]:
         if "default" in declared.attributes:
             found.setdefault(declared.get("name"), declared.get("default"))
     return found
+
+
+@lru_cache(maxsize=1)  # several rules ask, and each launch file is parsed
+def _list_argument_sets(source: Source) -> tuple[tuple[Path, Mapping[str, str]], ...]:
+    """List the files that start a model, each with the arguments that it passes."""
+    return tuple(_iter_argument_sets(source))
 
 
 def _iter_argument_sets(source: Source) -> Iterator[tuple[Path, Mapping[str, str]]]:

@@ -27,9 +27,9 @@ from urdfcheck.source.launch.python_texts import (
 from urdfcheck.source.launch.substitutions import split_command
 from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.finder import PackageFinder, format_path
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, drop_comments
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.system.files import read_regular, walk
+from urdfcheck.system.files import read_regular, read_text_or_nothing, walk
 
 # Limit on launch files that are read for one model: the largest repository of a hundred has 130.
 MOST_LAUNCHES = 200
@@ -137,11 +137,9 @@ def _may_name(typed: str, model: Path, finder: PackageFinder) -> bool:
 
 
 def may_pass_argument(launch: Path, name: str) -> bool:
-    """Whether the text of a launch file gives an argument of this name a value, as ``name:=`` or as the key of a mapping."""
-    try:
-        text = read_regular(launch, MAX_PYTHON).decode(errors="replace")
-    except OSError:
-        return False
+    """Whether the text of a launch file, outside comments, gives an argument of this name a value, as ``name:=`` or as the key of
+    a mapping."""
+    text = drop_comments(read_text_or_nothing(launch, MAX_PYTHON))
     return re.search(rf"(?<![\w.-]){re.escape(name)}:=|['\"]{re.escape(name)}['\"]\s*:", text) is not None
 
 
