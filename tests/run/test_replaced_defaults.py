@@ -21,6 +21,10 @@ XACRO = "PathJoinSubstitution([FindPackageShare('arm'), 'urdf', 'arm.urdf.xacro'
 # What a program knows at launch only.
 COMPUTED = f"Command(['xacro ', {XACRO}, ' mass:=', str(values['m']), ' length:=', str(values['l'])])"
 
+HEAVY = """<inertial><mass value="9e6"/><inertia ixx="1e5" ixy="0" ixz="0" iyy="1e5" iyz="0" izz="1e5"/></inertial>"""
+OWN_DEFAULTS = """<launch><arg name="m" default="0"/><arg name="l" default="0.0"/><param name="robot_description"
+command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro mass:=$(arg m) length:=$(arg l)"/></launch>"""
+
 
 def find(folder: Path, launches: dict[str, str], *, largest: str = "1e-6", **settings: object) -> Run:
     files = {"package.xml": PACKAGE, "urdf/arm.urdf.xacro": ARM.format(largest), **launches}
@@ -50,8 +54,14 @@ def test_they_are_not_listed_and_the_run_says_so(tmp_path: Path) -> None:
         {"launch/arm.launch.py": COMPUTED, "launch/view.launch.py": f"Command(['xacro ', {XACRO}])"},
         {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' mass:=0 length:=0.0'])"},
         {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' colour:=', colour])"},
+        {"launch/arm.launch.py": f"# xacro arm.urdf.xacro mass:=1 length:=2\nCommand(['xacro ', {XACRO}])"},
+        {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' mass:=false length:=false'])"},
+        {"launch/arm.launch": OWN_DEFAULTS},
     ],
-    ids=["no launch file", "one leaves them", "the same numbers", "another argument"],
+    ids=[
+        *("no launch file", "one leaves them", "the same numbers", "another argument", "in a comment", "false for 0"),
+        "by its own arguments",
+    ],
 )
 def test_defaults_that_a_start_may_leave_are_reported(tmp_path: Path, launches: dict[str, str]) -> None:
     run = find(tmp_path, launches, unrequested=frozenset({"INR002", "GEO001"}))
@@ -72,3 +82,25 @@ def test_another_known_number_is_not_the_default_either(tmp_path: Path) -> None:
 def test_a_given_argument_is_no_default(tmp_path: Path) -> None:
     run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, arguments={"mass": "0"}, unrequested=frozenset({"INR002"}))
     assert "INR002" in list_codes(run)
+
+
+@pytest.mark.parametrize(
+    ("passed", "codes"),
+    [(" length:=', str(values['l'])", ["INR002", "INR015"]), (" length:=1 mass:=', str(values['m'])", [])],
+    ids=["a size", "a mass"],
+)
+def test_what_the_masses_of_the_whole_lead_to_is_not_of_a_size(tmp_path: Path, passed: str, codes: list[str]) -> None:
+    launches = {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, '{passed}])"}
+    find(tmp_path, launches)
+    text = (tmp_path / "urdf/arm.urdf.xacro").read_text(encoding="utf-8")
+    heavy = text.replace("</robot>", f'<link name="b">{HEAVY}</link></robot>')
+    (tmp_path / "urdf/arm.urdf.xacro").write_text(heavy, encoding="utf-8")
+    every = {"INR002", "INR015", "GEO001"}
+    run = check(tmp_path / "urdf/arm.urdf.xacro", codes=every, unrequested=frozenset(every))
+    assert list_codes(run) == codes
+
+
+def test_a_severity_that_is_given_stays(tmp_path: Path) -> None:
+    launches = {"launch/arm.launch.py": COMPUTED}
+    run = find(tmp_path, launches, unrequested=frozenset({"INR002", "GEO001"}), severities={"INR002": "error"})
+    assert list_codes(run) == ["INR002"]

@@ -12,8 +12,6 @@ from urdfcheck.policy.consumers import get_verdict, is_news
 # Rules about paths that lead nowhere on another machine, or where a package is not installed, and about files that xacro expands
 # before they are used.
 _OF_ANOTHER_PLACE = frozenset({"PKG001", "PKG004", "XML009"})
-
-
 # What the subject of an argument of xacro begins with.
 _ARGUMENT = "argument["
 
@@ -69,26 +67,37 @@ def list_argument_names(finding: Finding) -> list[str]:
 
 
 def split_replaced_defaults(
-    findings: Iterable[Finding], rules: Mapping[str, Rule], *, replaced: AbstractSet[str], unrequested: frozenset[str]
+    findings: Iterable[Finding],
+    rules: Mapping[str, Rule],
+    *,
+    replaced: AbstractSet[str],
+    unrequested: frozenset[str],
+    graded: AbstractSet[str],
 ) -> tuple[list[Finding], list[Finding]]:
-    """Do the same for the errors and warnings that defaults of arguments cause which no file that starts the model leaves as they
-    are: these are notes on request. ``replaced``: these arguments.
+    """Split off the errors and warnings that defaults of arguments cause which no file that starts the model leaves as they are:
+    these are notes on request. ``replaced``: these arguments; ``graded``: codes whose severity is given.
 
-    So is what the masses and sizes of the whole robot lead to, for it starts with others.
+    If one of them is about a mass or an inertia, so is what the masses of the whole robot lead to, for it starts with others.
     """
+    listed = list(findings)
+    caused = [finding for finding in listed if not replaced.isdisjoint(list_argument_names(finding))]
+    if any(_is_of_dynamics(finding, rules) for finding in caused):
+        caused += [f for f in listed if f.location.subject.startswith("robot[") and _is_of_dynamics(f, rules)]
+    aside = {id(finding) for finding in caused}
     reported: list[Finding] = []
     left_out: list[Finding] = []
-    for finding in findings:
-        is_of_whole = (
-            finding.location.subject.startswith("robot[") and finding.message_id in rules[finding.code].dynamics
-        )
-        is_caused = bool(replaced) and (is_of_whole or not replaced.isdisjoint(list_argument_names(finding)))
-        if not is_caused or finding.severity == Severity.INFO or finding.suppressed is not None or finding.blocks_check:
+    for finding in listed:
+        is_kept = finding.severity == Severity.INFO or finding.suppressed is not None or finding.blocks_check
+        if is_kept or id(finding) not in aside or finding.code in graded:
             reported.append(finding)
         else:
             note = replace(finding, severity=Severity.INFO)
             (left_out if finding.code in unrequested else reported).append(note)
     return reported, left_out
+
+
+def _is_of_dynamics(finding: Finding, rules: Mapping[str, Rule]) -> bool:
+    return finding.message_id in rules[finding.code].dynamics
 
 
 def find_postponed(rules: Mapping[str, Rule], *, unrequested: Iterable[str], targets: Sequence[str]) -> frozenset[str]:
@@ -109,7 +118,7 @@ def find_postponed(rules: Mapping[str, Rule], *, unrequested: Iterable[str], tar
 
 def leave_out_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
     """Leave out what the pages list under ``dynamics``: the models are for display and motion planning alone."""
-    return [finding for finding in findings if finding.message_id not in rules[finding.code].dynamics]
+    return [finding for finding in findings if not _is_of_dynamics(finding, rules)]
 
 
 def leave_out_unfelt_dynamics(findings: Iterable[Finding], rules: Mapping[str, Rule]) -> list[Finding]:
@@ -117,8 +126,7 @@ def leave_out_unfelt_dynamics(findings: Iterable[Finding], rules: Mapping[str, R
     return [
         finding
         for finding in findings
-        if finding.message_id not in rules[finding.code].dynamics
-        or get_verdict(finding.consequences, "gazebo") >= Verdict.DROPS
+        if not _is_of_dynamics(finding, rules) or get_verdict(finding.consequences, "gazebo") >= Verdict.DROPS
     ]
 
 

@@ -110,7 +110,11 @@ def finalize_unit_findings(
         marked = leave_out_unfelt_dynamics(marked, rules)
     replaced = _find_replaced_defaults(marked, find_replaced_defaults)
     marked, of_defaults = split_replaced_defaults(
-        marked, rules, replaced=replaced.keys(), unrequested=frozenset() if policy.pedantic else policy.unrequested
+        marked,
+        rules,
+        replaced=replaced.keys(),
+        unrequested=frozenset() if policy.pedantic else policy.unrequested,
+        graded=policy.severities.keys(),
     )
     merged = merge_macro_lines(merge_same_text(marked), root, texts or {})
     remaining = drop_superseded(merged, rules)
