@@ -277,10 +277,16 @@ def _is_given(argument: str, use: ResourceUse, source: Source) -> bool:
     text = use.attribute.value.strip().removeprefix("file://")
     if not text.startswith(value) or not (os.path.isabs(value) or value.startswith("~")):
         return False
+    return _is_typed_nowhere(argument, source)
+
+
+@lru_cache(maxsize=8)  # several rules ask for each of hundreds of meshes
+def _is_typed_nowhere(argument: str, source: Source) -> bool:
+    """Whether the launch file that passes an argument, if it is one, does not have its value."""
     found = source.found_arguments.get(argument)
     if found is None:
         return True
-    return found.span is not None and value not in read_text_or_nothing(Path(found.span.file))
+    return found.span is not None and source.arguments[argument] not in read_text_or_nothing(Path(found.span.file))
 
 
 def _read_definition(definition: Definition, source: Source) -> str:
