@@ -25,6 +25,12 @@ HEAVY = """<inertial><mass value="9e6"/><inertia ixx="1e5" ixy="0" ixz="0" iyy="
 OWN_DEFAULTS = """<launch><arg name="m" default="0"/><arg name="l" default="0.0"/><param name="robot_description"
 command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro mass:=$(arg m) length:=$(arg l)"/></launch>"""
 
+PATH = "os.path.join(get_package_share_directory('arm'), 'urdf', 'arm.urdf.xacro')"
+FILLED = "given = {}\ngiven |= {'mass': m, 'length': n}\n"
+CONDITION = """<launch><arg name="heavy" default="false"/><param if="$(arg heavy)" name="robot_description"
+command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro mass:=2 length:=1"/><param unless="$(arg heavy)"
+name="robot_description" command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro"/></launch>"""
+
 
 def find(folder: Path, launches: dict[str, str], *, largest: str = "1e-6", **settings: object) -> Run:
     files = {"package.xml": PACKAGE, "urdf/arm.urdf.xacro": ARM.format(largest), **launches}
@@ -57,15 +63,40 @@ def test_they_are_not_listed_and_the_run_says_so(tmp_path: Path) -> None:
         {"launch/arm.launch.py": f"# xacro arm.urdf.xacro mass:=1 length:=2\nCommand(['xacro ', {XACRO}])"},
         {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' mass:=false length:=false'])"},
         {"launch/arm.launch": OWN_DEFAULTS},
+        {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}])\nNode(parameters=[{{'mass': 3.0, 'length': 1.0}}])"},
+        {"launch/arm.launch.py": f"{COMPUTED}\nCommand(['xacro ', {XACRO}, ' colour:=', colour])"},
+        {"launch/arm.launch.py": f"{COMPUTED}\nxacro.process_file({PATH}, mappings={{'colour': colour}})"},
+        {"launch/arm.launch.py": f"{COMPUTED}\nxacro.process_file({PATH})"},
+        {"launch/arm.launch": CONDITION},
     ],
     ids=[
         *("no launch file", "one leaves them", "the same numbers", "another argument", "in a comment", "false for 0"),
-        "by its own arguments",
+        *(
+            "own arguments",
+            "to a node",
+            "one command leaves them",
+            "another in a call",
+            "none in a call",
+            "by a condition",
+        ),
     ],
 )
 def test_defaults_that_a_start_may_leave_are_reported(tmp_path: Path, launches: dict[str, str]) -> None:
     run = find(tmp_path, launches, unrequested=frozenset({"INR002", "GEO001"}))
     assert list_codes(run) == ["GEO001", "INR002"]
+
+
+@pytest.mark.parametrize(
+    "launches",
+    [
+        {"launch/arm.launch.py": f"Command(['xacro ', {XACRO}, ' ', *more])\n# \n'mass:= length:='"},
+        {"launch/arm.launch.py": f"{FILLED}xacro.process_file({PATH}, mappings=given)"},
+        {"launch/arm.launch": CONDITION.replace('"false"', '"true"')},
+    ],
+    ids=["unknown words", "filled later", "where a plain launch passes them"],
+)
+def test_what_may_pass_them_does(tmp_path: Path, launches: dict[str, str]) -> None:
+    assert list_codes(find(tmp_path, launches, unrequested=frozenset({"INR002", "GEO001"}))) == []
 
 
 def test_what_is_typed_in_the_model_is_still_reported(tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from urdfcheck.source.launch.passed_arguments import (
     BESIDE,
     MOST_LAUNCHES,
     iter_launch_files,
+    leaves_argument_out,
     may_pass_argument,
     read_passed_arguments,
 )
@@ -152,12 +153,15 @@ def find_replaced_defaults(source: Source, names: Collection[str]) -> dict[str, 
     }
     wanted = [name for name in sorted(names) if name in defaults and name not in source.arguments]
     sets = _list_argument_sets(source) if wanted else ()
+    real = os.path.realpath(source.path)
 
     def replaces(starter: Path, passed: Mapping[str, str], name: str) -> bool:
         if name in passed:  # `false` may be the same as 0
             number = parse_number(passed[name])
-            return number is not None and number != defaults[name]
-        return may_pass_argument(starter, name)
+            is_other = number is not None and number != defaults[name]
+        else:
+            is_other = may_pass_argument(starter, name)
+        return is_other and not leaves_argument_out(starter, name, real, source.finder)
 
     return {
         name: sets[0][0] for name in wanted if sets and all(replaces(starter, passed, name) for starter, passed in sets)

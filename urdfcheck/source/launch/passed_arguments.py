@@ -143,6 +143,30 @@ def may_pass_argument(launch: Path, name: str) -> bool:
     return re.search(rf"(?<![\w.-]){re.escape(name)}:=|['\"]{re.escape(name)}['\"]\s*:", text) is not None
 
 
+def leaves_argument_out(launch: Path, name: str, model: str, finder: PackageFinder) -> bool:
+    """Whether a command or call of a launch file certainly expands a model without a value for this argument, whatever others in
+    it pass; ``model``: its real path."""
+    if launch.suffix != ".py":
+        return is_launch(launch) and any(
+            description.path is not None
+            and os.path.realpath(description.path) == model
+            and name not in description.arguments.keys() | description.unknown_arguments
+            # a word behind the file that is computed may be any argument
+            and not any(":=" not in word and "$" in word for word in _list_words_behind(description))
+            for description in load_launch(launch, finder).descriptions
+        )
+    try:
+        reader = make_reader(launch, read_regular(launch, MAX_PYTHON), finder)
+        return reader is not None and XacroCallReader(reader).leaves_out(name, model)
+    except (OSError, ValueError, RecursionError, MemoryError):
+        return False
+
+
+def _list_words_behind(description: DescriptionSource) -> list[str]:
+    """Return the words of a command that follow the model's path."""
+    return list(itertools.dropwhile(lambda word: word != description.file, description.words))[1:]
+
+
 def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Location]:
     """Return the texts with a ``$`` that launch files of a model's package replace in it, with the first place of each.
 
@@ -318,6 +342,39 @@ class XacroCallReader:
                 for key in mappings.keys if isinstance(mappings, ast.Dict) else ():
                     if key is not None:
                         yield from self.find_typed(key, _QUOTED)
+
+    def leaves_out(self, name: str, model: str) -> bool:
+        """Whether a command or call certainly expands a model, given by its real path, without a value for an argument."""
+        calls = (node for node in self.reader.nodes if isinstance(node, ast.Call) and node.args)
+        return any(
+            self.is_command_without(call, name, model)
+            if get_function_name(call) == "Command"
+            else self.is_call_without(call, name, model)
+            for call in calls
+        )
+
+    def is_command_without(self, command: ast.Call, name: str, model: str) -> bool:
+        """Whether a command expands a model and passes no argument of a name, and nothing unknown that may be one."""
+        _, _, words = self.split_command(command.args[0])
+        paths = [path for path in _list_paths(words) if self.may_mean(path, model)]
+        if not paths or "xacro" not in words[0]:
+            return False
+        others = [word for word in words[1:] if word not in paths]
+        return not any(word.startswith(f"{name}:=") or (":=" not in word and _UNKNOWN in word) for word in others)
+
+    def is_call_without(self, call: ast.Call, name: str, model: str) -> bool:
+        """Whether a call of xacro's own expands a model and passes no argument of a name."""
+        if get_function_name(call) not in {"process_file", "process"} or not self.may_mean(
+            self.evaluate(call.args[0]), model
+        ):
+            return False
+        mappings = find_call_argument(call, -1, "mappings")
+        if mappings is None:
+            return len(call.args) == 1 and all(keyword.arg is not None for keyword in call.keywords)
+        if not isinstance(mappings, ast.Dict):  # one with a name may be filled later
+            return False
+        keys = [None if key is None else self.texts.evaluate(key) for key in mappings.keys]
+        return name not in keys and None not in keys
 
     def find_typed(self, node: ast.expr, pattern: re.Pattern[str]) -> Iterator[tuple[str, Span]]:
         """Yield what a pattern finds in the text of a node, with the place of its first group."""
