@@ -32,6 +32,7 @@ def make_ball_joint(more: str = "", *, first: str = ZERO, last: str = HEAVY) -> 
         (make_ball_joint(), "", Severity.WARNING),
         (make_ball_joint(), "spawn in gazebo_ros", Severity.ERROR),
         (make_ball_joint(FAKE), "spawn in gazebo_ros", Severity.WARNING),
+        (make_ball_joint("<!-- it has no fake links -->"), "spawn in gazebo_ros", Severity.ERROR),
         (make_ball_joint("<gazebo><static>false</static></gazebo>"), "", Severity.ERROR),
         (make_ball_joint(first=ZERO + visual(box("1 1 1"))), "", Severity.ERROR),
         (make_ball_joint(last=ZERO), "", Severity.ERROR),

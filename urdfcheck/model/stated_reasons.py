@@ -29,6 +29,8 @@ _MASSLESS = re.compile(
 _FIRST_LINK = re.compile(r"<link\b")
 # What denies the words behind it: "not a virtual link", "no virtual joint", "isn't for visualization".
 _DENIAL = re.compile(r"(?:(?:\bnot|\bnever|n't)\s+(?:\w+\s+){0,2}|\b(?:no|non)[\s-]+)\Z", re.IGNORECASE)
+# So many characters before the words are searched for it: two words between are shorter (chosen).
+_DENIAL_REACH = 100
 # Words that give a reason for the numbers. That they are dummies is none, for they may still have to be replaced; nor is that an
 # inertial is needed, whatever it says.
 _REASON = re.compile(
@@ -84,7 +86,8 @@ def is_called_massless(model: Model, link: Element) -> bool:
     if _says(_MASSLESS, model, link):
         return True
     first = _FIRST_LINK.search(file.text)  # one in a comment is before the others, too
-    return first is not None and any(map(_MASSLESS.search, COMMENT.findall(file.text, 0, first.start())))
+    above = [] if first is None else COMMENT.findall(file.text, 0, first.start())
+    return any(_has_undenied(_MASSLESS, comment) for comment in above)
 
 
 def _says(words: re.Pattern[str], model: Model, element: Element) -> bool:
@@ -93,8 +96,13 @@ def _says(words: re.Pattern[str], model: Model, element: Element) -> bool:
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None:
         return False
-    comment = _find_comment_before(file.text, span.start)
-    return any(_DENIAL.search(comment, 0, found.start()) is None for found in words.finditer(comment))
+    return _has_undenied(words, _find_comment_before(file.text, span.start))
+
+
+def _has_undenied(words: re.Pattern[str], comment: str) -> bool:
+    """Whether a comment has words that nothing before them denies."""
+    starts = (found.start() for found in words.finditer(comment))
+    return any(_DENIAL.search(comment, max(0, start - _DENIAL_REACH), start) is None for start in starts)
 
 
 def _find_comment_before(text: str, place: int) -> str:
