@@ -1017,6 +1017,15 @@ def test_an_stl_file_should_look_like_what_it_is(tmp_path: Path, content: bytes,
     assert all(f.severity == (Severity.INFO if message == "solid" else Severity.WARNING) for f in findings)
 
 
+def test_yourdfpy_loads_text_stl(tmp_path: Path) -> None:
+    import yourdfpy
+
+    (finding,) = find_in_mesh(tmp_path, "MSH012", TEXT, shape("visual", "part.stl"), name="part.stl")
+    robot = yourdfpy.URDF.load(str(finding.location.span.file))
+    assert len(robot.scene.geometry) == 1
+    assert finding.consequences["yourdfpy"] == "loads it"
+
+
 # -- MSH013, MSH014 -------------------------------------------------------------------------------------------------
 
 

@@ -25,7 +25,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=uses[0].filename,
             related=[use.filename for use in uses[1:]],
             severity=Severity.INFO if message == "solid" else None,
-            consequences=describe_missing_mesh(use.shape.element for use in uses) if message == "text" else None,
+            consequences=_describe_text(uses) if message == "text" else None,
             count=len(names),
             meshes=f"STL file {names[0]} is"
             if len(names) == 1
@@ -33,3 +33,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             files=join_names(names),
             header="its header begins" if len(names) == 1 else "their headers begin",
         )
+
+
+def _describe_text(uses: list[MeshUse]) -> dict[str, str]:
+    """Describe what MuJoCo does with a text file: the same as with a missing one. yourdfpy loads it."""
+    return {"mujoco": describe_missing_mesh(use.shape.element for use in uses)["mujoco"]}
