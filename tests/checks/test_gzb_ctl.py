@@ -734,6 +734,31 @@ def test_bridges(tmp_path: Path, entry: str, expected: list[str], edits: list[st
     assert [e.replacement for f in run.findings if f.fix is not None for e in f.fix.edits] == edits
 
 
+@pytest.mark.parametrize(
+    ("other", "is_double"),
+    [
+        ("topic_name: clock, ros_type_name: rosgraph_msgs/msg/Clock, direction: GZ_TO_ROS", True),
+        ("gz_topic_name: /clock, ros_type_name: rosgraph_msgs/msg/Clock", True),
+        ("topic_name: clock, ros_type_name: rosgraph_msgs/msg/Clock, direction: ROS_TO_GZ", False),
+        ("topic_name: time, ros_type_name: rosgraph_msgs/msg/Clock, direction: GZ_TO_ROS", False),
+        ("topic_name: clock, ros_type_name: rosgraph_msgs/msg/Clok, direction: GZ_TO_ROS", False),
+    ],
+)
+def test_a_second_bridge_of_two_topics_is_to_be_deleted(tmp_path: Path, other: str, is_double: bool) -> None:
+    """Corrected, the entry would bridge what another one does."""
+    wrong = (
+        "ros_topic_name: /clock, gz_topic_name: /clock, ros_type_name: rosgraph_msgs/msg/clock, direction: GZ_TO_ROS"
+    )
+    entries = "".join(f"- {{{entry}, gz_type_name: gz.msgs.Clock}}\n" for entry in (other, wrong))
+    (tmp_path / "bridge.yaml").write_text(entries, encoding="utf-8")
+    (tmp_path / "package.xml").write_text("<package><name>car</name></package>", encoding="utf-8")
+    (tmp_path / "car.urdf").write_text('<robot name="car"><link name="base"/></robot>', encoding="utf-8")
+    *_, finding = check(tmp_path, codes={"GZB005"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete the entry: the one in line 1 already") == is_double
+    assert bool(finding.fix.edits) != is_double
+
+
 _SENSOR = '<gazebo reference="a"><sensor name="{name}" type="imu"><update_rate>9</update_rate></sensor></gazebo>'
 
 
@@ -777,6 +802,10 @@ def test_a_sensor_renders_as_often_as_its_plugin_publishes(tmp_path: Path, plugi
     (finding,) = find(tmp_path, robot(ARM, block("a", sensor)), "GZB004")
     assert finding.fix is not None
     assert finding.fix.title.startswith(f"add <update_rate>{rate}</update_rate>")
+    assert (
+        finding.consequences["gazebo"]
+        == "renders in every time step while the data is used, which can slow down the simulation"
+    )
 
 
 def test_one_of_two_equal_sensors_is_one_too_many(tmp_path: Path) -> None:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Fix, Rule
 from urdfcheck.core.text import find_nearest_name, find_only_near_name, format_name_hint, join_names
 from urdfcheck.source.package.finder import Package, PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
@@ -66,7 +67,7 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         for entry in entries:
             if entry.get("ros_type_name") is not None or entry.get("gz_type_name") is not None:
                 yield from _check_keys(entry, entries, rule)
-                yield from _check_entry(entry, rule)
+                yield from _check_entry(entry, entries, rule)
 
 
 def _find_bridge_configs(folder: Path, finder: PackageFinder) -> list[Path]:
@@ -109,7 +110,7 @@ def _check_keys(entry: YamlValue, entries: Iterable[YamlValue], rule: Rule) -> I
         )
 
 
-def _check_entry(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
+def _check_entry(entry: YamlValue, entries: Iterable[YamlValue], rule: Rule) -> Iterator[Finding]:
     both = entry.get("topic_name"), entry.get("ros_topic_name") or entry.get("gz_topic_name")
     if both[0] is not None and both[1] is not None:
         yield rule.finding("both", at=both[0], other=both[1].key.rpartition(".")[2])
@@ -119,7 +120,53 @@ def _check_entry(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
         respelled = direction.text.upper() if direction.text.upper() in _DIRECTIONS else meant
         edits = () if respelled is None else direction.build_edits(respelled)
         yield rule.finding("direction", at=direction, edits=edits, direction=direction.text)
-    yield from _check_types(entry, rule)
+    double = _find_double(entry, entries)
+    for finding in _check_types(entry, rule):
+        # Corrected, the entry would be a second bridge between the two topics.
+        yield finding if double is None else replace(finding, fix=_propose_deletion(double))
+
+
+def _propose_deletion(double: YamlValue) -> Fix:
+    return Fix(f"delete the entry: the one in line {double.span.line} already bridges the two topics")
+
+
+def _find_double(entry: YamlValue, entries: Iterable[YamlValue]) -> YamlValue | None:
+    """Find an entry that works and bridges the topics of another one, in all directions that this asks for."""
+    topics, direction = _read_topics(entry), _read_direction(entry)
+    return next(
+        (
+            other
+            for other in entries
+            if other is not entry
+            and topics is not None
+            and _read_topics(other) == topics
+            and _read_direction(other) in {direction, _DIRECTIONS[0]}
+            and _has_bridged_types(other)
+        ),
+        None,
+    )
+
+
+def _read_topics(entry: YamlValue) -> tuple[str, str] | None:
+    """Read the topics of both sides, of which one stands for both where it is alone; None where a template makes them."""
+    both = entry.get("topic_name")
+    ros, gz = (both or entry.get(key) for key in ("ros_topic_name", "gz_topic_name"))
+    names = [(one or other).text for one, other in ((ros, gz), (gz, ros)) if one or other]
+    if len(names) != len(_TWO_TOPICS) or any(map(_TEMPLATE.search, names)):
+        return None
+    return names[0].strip("/"), names[1].strip("/")
+
+
+def _read_direction(entry: YamlValue) -> str:
+    direction = entry.get("direction")
+    return _DIRECTIONS[0] if direction is None else direction.text
+
+
+def _has_bridged_types(entry: YamlValue) -> bool:
+    ros, gz = entry.get("ros_type_name"), entry.get("gz_type_name")
+    if ros is None or gz is None or not _GZ_PREFIX.search(gz.text):
+        return False
+    return _GZ_PREFIX.sub("", gz.text) in _PAIRS.get(ros.text, ())
 
 
 def _check_types(entry: YamlValue, rule: Rule) -> Iterator[Finding]:
