@@ -225,6 +225,10 @@ def test_a_mesh_that_touches_nothing_is_found(tmp_path: Path) -> None:
              make_block(0.12) + make_block(0.12, role="collision")],
             "revolute", "the collisions touch",
         ),
+        (
+            [make_block(), make_block(), make_block() + make_block(0, "0.5 0.5 0.5", "collision"), make_block(0.12)],
+            "revolute", "it is inside what the other collides with",
+        ),
         ([*[make_block()] * 3, make_block(0.12, role="collision")], "revolute", "it is not drawn"),
     ],
 )  # fmt: skip

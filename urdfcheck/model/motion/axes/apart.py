@@ -86,8 +86,11 @@ def find_apart_part(bodies: DrawnBodies) -> ApartPart | None:
 
 
 def do_collisions_touch(model: Model, found: ApartPart) -> bool:
-    """Whether what child and parent collide with touches, unlike what they draw: the drawing leaves out something."""
-    bodies = DrawnBodies(model, ("collisions",))
+    """Whether what child and parent collide with touches, unlike what they draw: the drawing leaves out something, or is hollow.
+
+    What draws only, as a sensor, is compared as it is drawn: within the box of a vehicle it is inside the vehicle.
+    """
+    bodies = DrawnBodies(model, ("collisions", "visuals"))
     joint = model.joint_by_name[found.joint]
     heads = joint.child, bodies.get_parent(joint)
     return all(head in bodies.shapes for head in heads) and _Distances(bodies).is_touching(*heads, _TOUCHING)
