@@ -69,6 +69,26 @@ def test_one_mass_from_which_the_inertias_are_computed_was_chosen(tmp_path: Path
     assert ([finding.message_id for finding in findings] == ["mass"]) == found
 
 
+@pytest.mark.parametrize(("size", "ratio"), [(0.1, None), (0.3, 27)])
+def test_sizes_of_links_with_one_mass_are_measured_in_one_way(tmp_path: Path, size: float, ratio: float | None) -> None:
+    """A bracket of two plates is as large as the box of an open mesh by their hulls, and a fiftieth by volume."""
+    write_stl(tmp_path / "bracket.stl", [((0.1, 0.1, 0.001), (0.0, 0.0, z)) for z in (-0.0495, 0.0495)])
+    write_stl(tmp_path / "case.stl", [((size, size, size), (0.0, 0.0, 0.0))])
+    text = (tmp_path / "case.stl").read_bytes()
+    count = int.from_bytes(text[80:84], "little") - 1
+    (tmp_path / "case.stl").write_bytes(text[:80] + count.to_bytes(4, "little") + text[84 : 84 + 50 * count])
+    parts = [link("base")]
+    for index, name in enumerate(("bracket", "bracket", "bracket", "bracket", "case")):
+        shapes = (
+            visual(mesh(f"{name}.stl")),
+            collision(box(f"{size} {size} {size}") if name == "case" else mesh(f"{name}.stl")),
+        )
+        parts += [link(f"l{index}", inertial(1), *shapes), joint(f"j{index}", "base", f"l{index}", kind="continuous")]
+    found = [one for one in find(tmp_path, robot(*parts), {"INR007"}) if one.message_id == "mass"]
+    assert [one.data["ratio"] for one in found] == ([] if ratio is None else [ratio])
+    assert all(one.message.endswith("l4 is 27 times as large as l0, by their convex hulls") for one in found)
+
+
 PUBLISHER = "<launch><node pkg='robot_state_publisher' args='{}'/></launch>"
 
 

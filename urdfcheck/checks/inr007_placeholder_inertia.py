@@ -27,7 +27,12 @@ from urdfcheck.model.motion.fixed_base import is_ballast, is_sensor_stand, is_un
 from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
-from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry
+from urdfcheck.model.shapes.visual_solid import (
+    explain_collision_stand_in,
+    has_unit_ambiguity,
+    measure_link_geometry,
+    measure_role_geometry,
+)
 from urdfcheck.model.use.display import is_loaded_for_frames, is_made_for_display, is_never_weighed
 from urdfcheck.model.use.other_programs import is_weighed_by_bullet
 from urdfcheck.model.use.simulators import has_elements
@@ -371,19 +376,9 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
     alike = [declared for declared in heavy if declared.mass == mass]
     if all(is_called_negligible(model, declared.link) for declared in alike):
         return
-    readings, is_closed = [], True
-    for unit in (True, False):
-        drawn = [
-            (declared.link, geometry)
-            for declared in alike
-            if has_drawn_shape(declared.link)
-            and (geometry := measure_link_geometry(model, declared.link, apply_unit=unit)) is not None
-        ]
-        is_closed = is_closed and all(geometry.closed for _, geometry in drawn)
-        # An open mesh has only the volume of its convex hull, and the others are then compared by theirs.
-        solids = [(link, geometry.solid if is_closed else geometry.hull) for link, geometry in drawn]
-        volumes = [(link, solid.volume) for link, solid in solids if solid is not None]
-        readings.append(sorted(volumes, key=lambda pair: pair[1]))
+    drawn = [declared.link for declared in alike if has_drawn_shape(declared.link)]
+    (first, by), (second, _) = (_measure_volumes(model, drawn, apply_unit=unit) for unit in (True, False))
+    readings = [sorted(volumes, key=lambda pair: pair[1]) for volumes in (first, second)]
     # If programs disagree about the size of a mesh (MSH008), the sizes must differ so much in both readings.
     if any(len(r) < _FEWEST or r[-1][1] < spread * r[0][1] for r in readings):
         return
@@ -404,10 +399,33 @@ def _check_equal_masses(model: Model, rule: Rule, *, fraction: float, spread: fl
         small=small.name,
         large=large.name,
         ratio=float(f"{most / least:.2g}"),
-        by="" if is_closed else ", by their convex hulls",
+        by=by,
     )
     # The robot is its subject, so that it does not hide other findings about one of the links.
     yield replace(finding, subjects=(model.location.subject,))
+
+
+def _measure_volumes(model: Model, links: Sequence[Link], *, apply_unit: bool) -> tuple[list[tuple[Link, float]], str]:
+    """Measure what links draw (m³), all in one way, and say in which one if it is not the drawn volume."""
+    known = [
+        (link, geometry)
+        for link in links
+        if (geometry := measure_link_geometry(model, link, apply_unit=apply_unit)) is not None
+    ]
+    reasons = {link.name: explain_collision_stand_in(model, link) for link, _ in known}
+    is_mixed = len({reason is None for reason in reasons.values()}) > 1
+    is_solid = all(geometry.hull is None or geometry.hull.volume == geometry.solid.volume for _, geometry in known)
+    if all(geometry.closed for _, geometry in known) and (is_solid or not is_mixed):
+        by = ", by their collision shapes" if known and None not in reasons.values() else ""
+        return [(link, geometry.solid.volume) for link, geometry in known], by
+    # An open mesh has only the volume of its convex hull, and a collision shape is a hull too: the others are compared by theirs.
+    hulls = []
+    for link, geometry in known:
+        open_mesh = reasons[link.name] == "open"
+        drawn = measure_role_geometry(model, link, "visual", apply_unit=apply_unit) if open_mesh else None
+        hull = (drawn or geometry).hull
+        hulls += [] if hull is None else [(link, hull.volume)]
+    return hulls, ", by their convex hulls"
 
 
 def _count_bodies(model: Model, alike: Sequence[DeclaredMass]) -> int:

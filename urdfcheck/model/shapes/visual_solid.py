@@ -77,9 +77,9 @@ def describe_geometry_source(model: Model, link: Link) -> str:
     return DRAWN_PART if drawn is None or drawn.closed else OPEN_HULL
 
 
-def measure_role_geometry(model: Model, link: Link, role: str) -> VisualGeometry | None:
+def measure_role_geometry(model: Model, link: Link, role: str, *, apply_unit: bool = True) -> VisualGeometry | None:
     """Measure the shapes of one ``role`` (``visual`` or ``collision``) alone, like `measure_link_geometry`."""
-    return _measure_role(model, link, role, True, False)
+    return _measure_role(model, link, role, apply_unit, False)
 
 
 @np.errstate(all="ignore")  # of an open mesh nothing need be finite
