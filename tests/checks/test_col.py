@@ -324,6 +324,9 @@ def test_a_shape_that_overlaps_several_links_is_one_finding(tmp_path: Path) -> N
     assert re.fullmatch(r"base overlaps [lr]2 by \d+(\.\d+)? mm, and 1 more", finding.headline)
     assert "l2 (" in finding.message
     assert "r2 (" in finding.message
+    # The middle of the contacts is not the deepest point.
+    assert re.search(r"; the surfaces of base and [lr]2 meet around \(.*\) m in base$", finding.message)
+    assert "deepest" not in finding.message
 
 
 def test_links_of_one_body_never_collide(tmp_path: Path) -> None:
