@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
     from urdfcheck.facts.arrays import Array
 
+# Where the moments are in ``ixx ixy ixz iyy iyz izz``.
+_DIAGONAL = (0, 3, 5)
 # Numbers that were typed alike.
 _SAME = 1e-9
 # Two exports of one part agree in the mass and, relative to the largest moment, in each number to this share, and in the COM to
@@ -51,6 +53,31 @@ def propose_like_link(model: Model, declared: DeclaredTensor) -> InertialProposa
     return InertialProposal(
         message=f"; {names}, of the same mass and shape, {have} {text} and all other numbers alike",
         remedy=f"write {text} as in {names}, or ",
+        is_located=True,
+    )
+
+
+def propose_lost_moment(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
+    """Propose the moment of links that have all other numbers of a tensor with one moment of zero: it was copied, and the number
+    lost; None where there is no such link, the links do not agree, or the numbers have no product by which to know them."""
+    zeros = [i for i in _DIAGONAL if declared.components[i] == 0.0]
+    if len(zeros) != 1 or not any(declared.components[i] for i in range(len(TENSOR_NAMES)) if i not in _DIAGONAL):
+        return None
+    (index,) = zeros
+    others = [
+        other
+        for other in model.tensor_by_name.values()
+        if _find_only_difference(declared.components, other.components) == index and is_possible_tensor(other.tensor)
+    ]
+    if len({other.components[index] for other in others}) != 1:
+        return None
+    names, text = join_names(other.link.name for other in others), f'{TENSOR_NAMES[index]}="{others[0].texts[index]}"'
+    mass = declared.inertial.mass or 0.0
+    is_same_mass = all(math.isclose(other.inertial.mass or 0.0, mass, rel_tol=_SAME) for other in others)
+    have = "has" if len(others) == 1 else "have"
+    return InertialProposal(
+        message=f"; {names} {have} {text} and all other numbers alike",
+        remedy=f"write {text} as in {names}{', or ' if is_same_mass else '; better, as the masses differ, '}",
         is_located=True,
     )
 

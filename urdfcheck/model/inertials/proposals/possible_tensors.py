@@ -11,7 +11,11 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import (
     is_drawn_otherwise,
     propose_drawn_inertial,
 )
-from urdfcheck.model.inertials.proposals.like_links import propose_like_link, propose_twin_number
+from urdfcheck.model.inertials.proposals.like_links import (
+    propose_like_link,
+    propose_lost_moment,
+    propose_twin_number,
+)
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
 from urdfcheck.model.inertials.proposals.slip_repairs import (
@@ -51,7 +55,8 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     """Propose the smallest change that makes an inertia tensor possible, by what is known of the mistake.
 
     In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
-    number in which a link of the same mass and shape, or the one on the other side, differs; other signs of the products; where
+    number in which a link of the same mass and shape, or the one on the other side, differs; a moment of zero in numbers that
+    another link has; other signs of the products; where
     little is missing, or the digits are too few, the nearest tensor that a body can have, about the author's own COM, unless the
     drawn part's is far from it, or the robot is shorter than such a body. Only then the inertia of the drawn part.
     """
@@ -64,7 +69,11 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     undone = _propose_diagnosed_undo(model, link)
     if undone is not None and not (undone.cause == "decimal" and has_many_slips(model)):
         return undone
-    like = propose_like_link(model, declared) or propose_twin_number(model, declared)
+    like = (
+        propose_like_link(model, declared)
+        or propose_twin_number(model, declared)
+        or propose_lost_moment(model, declared)
+    )
     if like is not None:
         return like
     typed = measure_tensor_rounding(declared.texts)
