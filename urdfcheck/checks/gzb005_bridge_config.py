@@ -150,11 +150,11 @@ def _find_double(entry: YamlValue, entries: Iterable[YamlValue]) -> YamlValue | 
 def _read_topics(entry: YamlValue) -> tuple[str, str] | None:
     """Read the topics of both sides, of which one stands for both where it is alone; None where a template makes them."""
     both = entry.get("topic_name")
-    ros, gz = (both or entry.get(key) for key in ("ros_topic_name", "gz_topic_name"))
-    names = [(one or other).text for one, other in ((ros, gz), (gz, ros)) if one or other]
-    if len(names) != len(_TWO_TOPICS) or any(map(_TEMPLATE.search, names)):
+    ros, gz = (entry.get(key) if both is None else both for key in ("ros_topic_name", "gz_topic_name"))
+    sides = ros or gz, gz or ros
+    if sides[0] is None or sides[1] is None or _TEMPLATE.search(sides[0].text + sides[1].text):
         return None
-    return names[0].strip("/"), names[1].strip("/")
+    return sides[0].text.strip("/"), sides[1].text.strip("/")
 
 
 def _read_direction(entry: YamlValue) -> str:
