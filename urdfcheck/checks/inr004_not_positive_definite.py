@@ -260,7 +260,8 @@ def _build_product_finding(model: Model, rule: Rule, wrong: _IndefiniteTensor) -
     # With a moment of zero no product of its axis is possible, however small: the moment is what is wrong.
     zeros = [i for i in DIAGONAL if components[i] == 0.0]
     zero = zeros[0] if alone and len(zeros) == 1 and zeros[0] in PRODUCTS[worst] else None
-    single["moment"] = "" if zero is None else TENSOR_NAMES[zero]
+    if zero is not None:
+        single["moment"] = TENSOR_NAMES[zero]
     return rule.finding(
         "zero" if zero is not None else "product" if alone else "products",
         at=declared.get_attribute(zero if zero is not None else worst) if alone else declared.element,
