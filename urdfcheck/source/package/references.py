@@ -66,7 +66,10 @@ _TOLD = re.compile(r"package://|\$\(find")
 # Arguments of functions whose text is for the reader, as of launch's DeclareLaunchArgument and argparse.
 _EXPLAINING = frozenset({"description", "help"})
 # The paths that Python joins to a package's folder in a row, and the name that it assigns the folder to before.
-_QUOTED = r"""f?['"][^'"{}]*['"]"""
+_TEXT = r"""f?['"][^'"{}]*['"]"""
+# Texts side by side without a comma are one text.
+_QUOTED = rf"{_TEXT}(?:\s*{_TEXT})*"
+_QUOTED_TEXTS = re.compile(_QUOTED)
 _JOINED = rf"(?P<joined>\s*(?P<by>,|/|\+)\s*{_QUOTED}(?:\s*(?P=by)\s*{_QUOTED})*)(?P<more>\s*(?P=by)\s*[\w('\"])?"
 _TYPED = re.compile(r"""['"]([^'"]*)['"]""")
 _AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
@@ -235,7 +238,7 @@ def _iter_mentions(text: str, path: Path, file_name: str) -> Iterator[PackageMen
     is_python = path.suffix == ".py"
     optional = _find_optional_lines(text) if is_python and "except" in text else frozenset()
     told = _find_told_lines(text) if is_python and _TOLD.search(bare) else frozenset()
-    unused = _find_unused_lines(text) if is_python and "generate_launch_description" in text else frozenset()
+    unused = _find_unused_lines(text, bare) if is_python and "generate_launch_description" in text else frozenset()
     for match in _MENTION.finditer(bare):
         file = file or SourceFile(path, file_name, text=text)
         group = next(i for i in (1, 3, 5, 6) if match.group(i))
@@ -292,12 +295,15 @@ def _has_all_names(node: ast.expr, text: str) -> bool:
     return sum(len(_TOLD.findall(part)) for part in typed) == len(_TOLD.findall("\n".join(lines)))
 
 
-def _find_unused_lines(text: str) -> frozenset[int]:
-    """Return the numbers of the lines of a launch file in Python that assign a name which nothing there reads."""
+def _find_unused_lines(text: str, bare: str) -> frozenset[int]:
+    """Return the numbers of the lines of a launch file in Python that assign a name which nothing there reads.
+
+    ``bare``: the text without the lines that are comments.
+    """
     tree = parse_python(text)
     assigned = (node for node in ast.walk(tree or ast.Module([], [])) if isinstance(node, ast.Assign))
     named = ((node.targets[0].id, node) for node in assigned if isinstance(node.targets[0], ast.Name))
-    words = Counter(re.findall(r"\w+", text))  # a name that stands in a text may be read from there
+    words = Counter(re.findall(r"\w+", bare))  # a name that stands in a text may be read from there
     once = ((name, node) for name, node in named if len(node.targets) == 1 and words[name] == 1)
     return frozenset(line for _, node in once for line in _list_lines(node))
 
@@ -332,7 +338,7 @@ def _find_joined_paths(text: str, match: re.Match[str], searched: int, unused: f
 
 def _join_typed(joined: str, *, is_part: bool) -> str:
     """Return the path of texts that are joined; with a slash at its end where more may follow, or it is a single name."""
-    typed = _TYPED.findall(joined)
+    typed = ["".join(_TYPED.findall(texts)) for texts in _QUOTED_TEXTS.findall(joined)]
     inside = "/".join(filter(None, (part.strip("/") for part in typed)))
     is_open = typed[-1].endswith("/") or "/" not in inside or (is_part and "." not in typed[-1])
     return f"/{inside}/" if is_open and inside else f"/{inside}"
