@@ -821,3 +821,30 @@ def test_a_transmission_that_is_skipped_does_not_stop_the_plugin(tmp_path: Path,
     assert read.severity is Severity.ERROR
     assert read.fix is not None
     assert "<type>" not in read.fix.title
+
+
+@pytest.mark.parametrize(
+    ("joints", "entries", "block", "repair"),
+    [
+        (
+            ("Revolute 3",),
+            ("Revolute_3",),
+            True,
+            "let the names agree: rename the joints in the robot and in ros2_control m ('Revo",
+        ),
+        (("hip_l", "knee_l"), ("HIPL", "KNEEL"), False, "write hip_l, knee_l for HIPL, KNEEL"),
+        (("hip_l", "hip-l", "knee_l"), ("HIPL", "KNEEL"), False, "write the joints of this robot"),  # of two hips
+    ],
+)
+def test_a_name_that_differs_in_marks_and_case_only_is_that_of_the_joint(
+    tmp_path: Path, joints: tuple[str, ...], entries: tuple[str, ...], block: bool, repair: str
+) -> None:
+    parts = '<link name="base"/>' + "".join(
+        f'<link name="l{n}"/><joint name="{name}" type="continuous"><parent link="base"/><child link="l{n}"/></joint>'
+        for n, name in enumerate(joints)
+    )
+    for name, named in {"d": entries, "m": joints if block else ()}.items():
+        parts += f'<ros2_control name="{name}" type="system">{"".join(f"<joint name={one!r}/>" for one in named)}</ros2_control>'
+    (finding,) = check_text(tmp_path, robot(parts), codes={"CTL001"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)

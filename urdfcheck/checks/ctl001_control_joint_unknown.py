@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import replace
 
 from urdfcheck.core import Finding, Location, Rule, Severity
@@ -193,13 +194,13 @@ def _build_foreign_finding(
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
-        repair=_describe_repair(tag, typed, left, others),
+        repair=_describe_repair(model, tag, typed, left, others),
         lack=_LACK if consequences is _SKIPPED else "",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
 
 
-def _describe_repair(tag: str, names: list[str], left: list[str], others: list[str]) -> str:
+def _describe_repair(model: Model, tag: str, names: list[str], left: list[str], others: list[str]) -> str:
     """Say what to write for names unlike any of the robot's.
 
     ``left``: its joints that no block names; ``others``: the other files that include the one with the names.
@@ -208,7 +209,15 @@ def _describe_repair(tag: str, names: list[str], left: list[str], others: list[s
     if unfilled is not None and all(map(UNFILLED.search, names)):
         return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
     entries = "transmissions" if tag == "transmission" else "entries"
-    meant = _pair_shortened_names(names, left)
+    respelled = _list_respelled(names, model.joint_by_name)
+    blocks = _list_blocks_with(model, tag, respelled)
+    if blocks:
+        pairs = join_names((f"{joint!r} to {name!r}" for name, joint in zip(names, respelled, strict=True)), 3)
+        return (
+            f"let the names agree: rename the joints in the robot and in {tag} {join_names(blocks, 3)} ({pairs}); or delete "
+            f"the {entries} here"
+        )
+    meant = respelled or _pair_shortened_names(names, left)
     if others and not meant:
         return (
             f"leave out these {entries} here, or make their names arguments; they may be right for {join_names(others)}"
@@ -221,6 +230,23 @@ def _describe_repair(tag: str, names: list[str], left: list[str], others: list[s
         if left
         else f"delete the {entries}, or move them to the part that has these joints"
     )
+
+
+def _list_respelled(names: list[str], joints: Collection[str]) -> list[str]:
+    """Return for each name the only joint that differs from it in nothing but blanks, marks between words and case; nothing if
+    one has none."""
+    found = [[joint for joint in joints if _squeeze(joint) == _squeeze(name)] for name in names]
+    return [same[0] for same in found if len(same) == 1] if all(len(same) == 1 for same in found) else []
+
+
+def _list_blocks_with(model: Model, tag: str, joints: Collection[str]) -> list[str]:
+    """List the names of the blocks of a kind that name one of these joints."""
+    blocks = model.robot.find_children(tag)
+    return [b.get("name") for b in blocks if any(e.tag == "joint" and e.get("name") in joints for e in b.walk())]
+
+
+def _squeeze(name: str) -> str:
+    return re.sub(r"[\W_]+", "", name).lower()
 
 
 def _pair_shortened_names(names: list[str], left: list[str]) -> list[str]:
