@@ -1658,6 +1658,8 @@ def test_a_default_that_leads_nowhere_is_not_proposed(tmp_path: Path) -> None:
         ({"grip_daul.xacro": "dual", "other.xacro": "dual"}, "<xacro:dual/>", "'grip_daul.xacro'"),
         ({"grip_daul.xacro": None}, "<xacro:dual/>", "'grip_daul.xacro'"),  # it may include what defines the macro
         ({"grip_daul.xacro": "quad"}, "", "'grip_daul.xacro'"),
+        # Another include has the name of what the file defines.
+        ({"wheel_old.xacro": "wheel"}, '<xacro:include filename="wheel.xacro"/><xacro:wheel/><xacro:dual/>', None),
         ({"grip_duel.xacro": "duel"}, '<xacro:include filename="$(dirname)/grip_duel.xacro"/><xacro:duel/>', None),
         (
             {"grip_duel.xacro": "duel", "grip_all.xacro": "dual"},
@@ -2270,6 +2272,27 @@ def test_a_file_that_git_ignores_is_to_be_built_with_its_folder(
     finding = only(check(write(tmp_path, files) / "car.urdf.xacro", codes={"XAC001"}))
     assert finding.fix is not None
     assert finding.fix.title.startswith("build car first, which may make the file; if it does not, ") == is_built
+
+
+@pytest.mark.parametrize(
+    ("defined", "is_meant"),
+    [
+        ({"lidar.xacro": "laser_lidar"}, True),
+        ({"lidar.xacro": "laser_lidar", "other.xacro": "lidar_mount"}, False),  # either may be meant
+        ({"lidar.xacro": "laser"}, False),
+    ],
+)
+def test_the_only_uncalled_macro_with_all_words_of_a_name_may_be_meant(
+    tmp_path: Path, defined: dict[str, str], is_meant: bool
+) -> None:
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    for file, name in defined.items():
+        (tmp_path / file).write_text(
+            f"{head}<xacro:macro name='{name}' params='prefix'><link name='${{prefix}}l'/></xacro:macro></robot>"
+        )
+    body = "".join(f"<xacro:include filename='{file}'/>\n" for file in defined)
+    finding = only(xacro(tmp_path, f"{body}<link name='base'/><xacro:lidar prefix='a'/>", {"XAC001"}))
+    assert ("did you mean 'laser_lidar' of lidar.xacro, which line 3 includes?" in finding.message) == is_meant
 
 
 @pytest.mark.parametrize(

@@ -419,20 +419,35 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
 
 def _find_renamed_macro(failure: _ExpansionFailure, name: str) -> tuple[Macro, str] | None:
     """Return the only macro of the file that is included just before a call, with the place of the include, if nothing calls it
-    and it shares a word with the name: then the expansion gets past the call by its name."""
+    and it shares a word with the name; or the only uncalled one of the files included anywhere before, if it has all words of the
+    name. Then the expansion gets past the call by its name."""
     call = _find_failing_element(failure)
     before = [] if call is None or call.parent is None else call.parent.children[: call.parent.children.index(call)]
-    if call is None or not before or before[-1].tag != "xacro:include":
+    includes, words = [e for e in before if e.tag == "xacro:include"], set(name.split("_"))
+    if call is None or not includes:
         return None
-    include, trees = before[-1], failure.source.trees
-    file = include.get("filename").rpartition("/")[2]
-    place = file if include.span is None else f"{file}, which line {include.span.line} includes"
+    last = _list_uncalled_macros(failure, includes[-1]) if before[-1] is includes[-1] else []
+    found = [(macro, includes[-1]) for macro in last] if len(last) == 1 and set(last[0].name.split("_")) & words else []
+    if not found:
+        uncalled = [(macro, include) for include in includes for macro in _list_uncalled_macros(failure, include)]
+        found = [(macro, include) for macro, include in uncalled if words <= set(macro.name.split("_"))]
+    if len({macro.name for macro, _ in found}) != 1:
+        return None
+    edits = build_rename_edits([call], f"xacro:{found[0][0].name}", failure.source.files)
+    return (found[0][0], _describe_inclusion(found[0][1])) if _gets_past_with(failure, edits) else None
+
+
+def _list_uncalled_macros(failure: _ExpansionFailure, include: Element) -> list[Macro]:
+    """List the macros of an included file that nothing calls."""
+    trees, file = failure.source.trees, include.get("filename").rpartition("/")[2]
     macros = collect_macros({read: tree for read, tree in trees.items() if Path(read).name == file})
-    uncalled = [macro for macro in macros.values() if macro.name not in collect_called_macros(trees)]
-    if len(uncalled) != 1 or not set(uncalled[0].name.split("_")) & set(name.split("_")):
-        return None
-    edits = build_rename_edits([call], f"xacro:{uncalled[0].name}", failure.source.files)
-    return (uncalled[0], place) if _gets_past_with(failure, edits) else None
+    called = collect_called_macros(trees)
+    return [macro for macro in macros.values() if macro.name not in called]
+
+
+def _describe_inclusion(include: Element) -> str:
+    file = include.get("filename").rpartition("/")[2]
+    return file if include.span is None else f"{file}, which line {include.span.line} includes"
 
 
 def _describe_include_place(include: Element) -> str:
@@ -881,7 +896,10 @@ def _format_file_hint(failure: _ExpansionFailure, path: Path, beside: Sequence[s
     others = [name for name in beside if path.suffix and Path(name).suffix == path.suffix]
     beside = [name for name in beside if name not in included]
     defined = {name: macros for name, macros in defined.items() if name not in included}
-    defining = [name for name in sorted(defined) if defined[name] & unknown]
+    # A file is called like its macro: one that defines what another include is called like is meant there.
+    named = {macro for macro in unknown if _is_called_like(path.name, macro)}
+    elsewhere = {macro for macro in unknown if any(_is_called_like(file, macro) for file in included - {path.name})}
+    defining = [name for name in sorted(defined) if defined[name] & (named or unknown - elsewhere)]
     near = find_nearest_name(path.name, beside)
     if defining and near not in defining:
         return f" (did you mean {' or '.join(map(repr, defining[:_MOST_PROPOSED]))}?)"
@@ -891,6 +909,11 @@ def _format_file_hint(failure: _ExpansionFailure, path: Path, beside: Sequence[s
     is_meant = len(others) == 1 and others[0] in beside and not defined.get(others[0])
     is_meant = is_meant and _may_be_meant(failure, path, others[0])
     return f" (the only other {path.suffix} file there is {others[0]!r})" if is_meant else ""
+
+
+def _is_called_like(file: str, macro: str) -> bool:
+    """Whether a file has the name of a macro, with or without other words: ``wheel_macro.xacro`` for ``wheel``."""
+    return set(macro.lower().split("_")) <= set(file.lower().partition(".")[0].split("_"))
 
 
 def _may_be_meant(failure: _ExpansionFailure, path: Path, name: str) -> bool:
