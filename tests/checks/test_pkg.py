@@ -1204,6 +1204,31 @@ def test_line_is_only_proposed_for_a_package_that_has_what_is_used(
 
 
 @pytest.mark.parametrize(
+    ("own", "used", "expected", "repair"),
+    [
+        ("arm_sim", "arm5", "misnamed", "write `arm_sim` and the path `urdf.rviz` if arm5 is an old name"),
+        (
+            "urdf_tutorial_sim",
+            "urdf_tutorial",
+            "copied",
+            "write `urdf_tutorial_sim` for urdf_tutorial if that file is meant",
+        ),
+        ("arm_sim", "urdf_tutorial", "undeclared", "declare it"),  # it has such a view, too
+    ],
+)
+def test_a_view_at_the_same_place_in_the_package_is_meant_by_its_old_name(
+    tmp_path: Path, own: str, used: str, expected: str, repair: str
+) -> None:
+    launch = f'<launch><node name="v" pkg="rviz" type="rviz" args="-d $(find {used})/urdf.rviz"/></launch>'
+    write(tmp_path, {"package.xml": manifest(name=own), "launch/a.launch": launch, "urdf.rviz": ""})
+    finding = next(f for f in findings(tmp_path, "PKG007") if used in f.message)
+    assert finding.message_id in {expected, "several"}
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) == (expected == "undeclared")
+    assert expected == "undeclared" or finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
     ("uses", "name"),
     [
         (['"config", "a.yaml"'], "misnamed"),
@@ -2147,6 +2172,12 @@ def test_a_launch_file_of_ros_1_needs_no_folder(tmp_path: Path, place: str, look
             False,
         ),
         ("    file = os.path.join(folder, 'config', 'a.yaml')\n    return Node(parameters=[file])", True),
+        (
+            "    file = os.path.join(folder, 'config', 'a.yaml')\n    # Node(parameters=[file])\n    return Node()",
+            False,
+        ),
+        ("    return Node(parameters=[os.path.join(folder, 'config' 'more', 'a.yaml')])", False),  # configmore/a.yaml
+        ("    return Node(parameters=[os.path.join(folder, 'config' '/a.yaml')])", True),
         ("    return Node(parameters=[os.path.join(folder, 'config', 'a.yaml')])", True),
         ("    return Node(\n        parameters=os.path.join(folder, 'config', 'a.yaml'))", True),
     ],

@@ -486,6 +486,10 @@ def _build_misnamed_finding(
         repair = "delete the launch files that were left from ROS 1, or translate them if they are still needed"
     elif is_renamed:
         repair = f"write `{owner}` for {name}, if that is the package's old name: all that is named of it is here"
+    elif is_released and all(use.subpath.endswith(_VIEW_SUFFIX) for use in uses):
+        repair = (
+            f"write `{owner}` for {name} if that file is meant; otherwise declare it: `<{runtime}>{name}</{runtime}>`"
+        )
     elif is_released:
         repair = f"declare it: `<{runtime}>{name}</{runtime}>`; or write `{owner}` and the path `{path}` if that file is meant"
     else:
@@ -574,14 +578,21 @@ def _find_in_package(
     package: Package, name: str, uses: Sequence[PackageMention], folder: Path | None
 ) -> tuple[str, str] | None:
     """Return this package and the path in it of the first file for which a name is used that is not a package: all those files
-    have the same paths in this package, or the name is that of one of its folders. None if they have not."""
+    have the same paths in this package, or the name is that of one of its folders. None if they have not.
+
+    Where only views are named, a released package probably has them itself, unless its name is a longer or shorter one of this.
+    """
     inside = ""
     if folder is not None:
         # Without a manifest it is only a folder of that name, which a `package://` that lacks the package leads to by chance.
         if folder.absolute() != package.path.absolute() / name or (folder / "package.xml").is_file():
             return None
         inside = f"{name}/"
-    paths = [inside + use.subpath.strip("/") for use in uses if not use.subpath.endswith(_VIEW_SUFFIX)]
+    files = [use for use in uses if not use.subpath.endswith(_VIEW_SUFFIX)]
+    is_form = package.name.startswith(f"{name}_") or name.startswith(f"{package.name}_")
+    if not files and (is_form or name not in read_released_packages()):
+        files = [*uses]
+    paths = [inside + use.subpath.strip("/") for use in files]
     if all(path.endswith(_LAUNCH_SUFFIXES) for path in paths):  # many packages have a launch file of that name
         return None
     if not paths or not all(path and "$" not in path and (package.path / path).is_file() for path in paths):
