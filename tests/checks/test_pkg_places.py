@@ -360,6 +360,27 @@ def test_a_machine_path_may_name_another_package(tmp_path: Path, typed: str, rep
 
 
 @pytest.mark.parametrize(
+    ("place", "repair"),
+    [
+        (
+            "cad/a.stl",
+            "copy the file (`../../cad/a.stl` from the model) into the model's package and write `package://p/meshes/a.stl`",
+        ),
+        ("q/cad/a.stl", "write `package://q/cad/a.stl`"),
+        ("p/cad/a.stl", "write `package://p/cad/a.stl`: the package has the file"),
+    ],
+)
+def test_a_path_that_leaves_the_package_is_that_of_no_file_in_it(tmp_path: Path, place: str, repair: str) -> None:
+    (tmp_path / ".git").mkdir()
+    for name in ("p", "q"):
+        write(tmp_path, f"{name}/package.xml", text=f'<package format="3"><name>{name}</name></package>')
+    write(tmp_path, place)
+    finding = find(tmp_path / "p/urdf/r.urdf", f"file:///home/ann/ws/src/p/../{place}", code="PKG004")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
     ("there", "repair"),
     [
         (

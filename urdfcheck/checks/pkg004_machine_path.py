@@ -24,6 +24,7 @@ from urdfcheck.source.resources import (
     find_machine_path,
     format_path_from_model,
     list_resource_uses,
+    split_machine_path,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
@@ -135,7 +136,7 @@ def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
     installed = _find_installed_path(use)
     if installed is not None or path is None:
         return None if own is not None and (installed or "").startswith(f"package://{own.name}/") else installed
-    *parts, name = path.as_posix().replace("\\", "/").split("/")
+    *parts, name = split_machine_path(path)
     declared = frozenset[str]() if own is None else own.dependencies
     released = {part for part in parts if _OF_SEVERAL_WORDS in part} & read_released_packages()
     # The last one, with a folder of its own between it and the file.
@@ -175,6 +176,13 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
     return None if named is None else f"package://{named[0]}/{named[1]}"
 
 
+def _find_outer_file(uses: Sequence[ResourceUse], source: Source) -> str:
+    """Return the path from the model of a file around its package to which a path leads by ``..``; empty for another path."""
+    path = uses[0].resource.path
+    found = None if path is None or ".." not in path.parts else _find_by_ending(uses[0], path, source)
+    return "" if found is None else format_path_from_model(found, source)
+
+
 def _find_behind_slash(path: Path, source: Source) -> str | None:
     """Return the file of the model's package that a path names from there, with a slash before it (``/meshes/base.stl``)."""
     inside = path.as_posix().lstrip("/")
@@ -184,7 +192,7 @@ def _find_behind_slash(path: Path, source: Source) -> str | None:
 
 def _find_by_ending(use: ResourceUse, path: Path, source: Source) -> Path | None:
     """Return the file that the end of a path, a folder and a name at least, names in the model's folder or in one around it."""
-    *parents, name = path.as_posix().replace("\\", "/").split("/")
+    *parents, name = split_machine_path(path)
     for folder in _list_folders_by_ending(tuple(parents), source.finder):
         place = folder / name
         if source.finder.can_open(place) and os.path.isfile(place):
@@ -248,7 +256,11 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         name = "FILE" if several else PurePosixPath(place.uses[0].resource.text.replace("\\", "/")).name
         folder = f"copy {files} into a folder beside the model and write the path from there (`meshes/{name}`)"
         return f"{folder}; for ROS, into a package and write its package path"
-    repair = f"copy the file into the model's package and write {_format_future_path(future, place.uses, source)}"
+    outer = _find_outer_file(place.uses, source)
+    what = "files" if outer and several else "file"
+    if outer:
+        what += f" ({'the first is ' if several else ''}`{outer}` from the model)"
+    repair = f"copy the {what} into the model's package and write {_format_future_path(future, place.uses, source)}"
     namesakes = _list_namesakes(place.uses, source)
     if namesakes and source.package is not None:
         own = f"package://{source.package.name}/{namesakes[0]}"
@@ -269,7 +281,7 @@ def _find_future_path(use: ResourceUse, source: Source, owners: Collection[str])
     path, package = use.resource.path, source.package
     if path is None or package is None:
         return None
-    parts = path.as_posix().replace("\\", "/").split("/")
+    parts = split_machine_path(path)
     before = [index for index, part in enumerate(parts[:-1]) if part == package.name or part in owners]
     return f"package://{'/'.join(parts[before[-1] :])}" if before else None
 

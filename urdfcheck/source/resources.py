@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import posixpath
 import re
 from collections.abc import Iterable, Iterator
 from functools import lru_cache
@@ -136,6 +137,11 @@ def find_machine_path(use: ResourceUse, source: Source) -> Attribute | Definitio
     return use.attribute
 
 
+def split_machine_path(path: Path) -> list[str]:
+    """Return the parts of a path of any machine without ``..``: ``car/../meshes`` is outside of car."""
+    return posixpath.normpath(path.as_posix().replace("\\", "/")).split("/")
+
+
 def find_in_package(path: Path, package: Package | None, finder: PackageFinder) -> str | None:
     """Return the file of a package that a path of another machine means, relative to the package, if any.
 
@@ -143,7 +149,7 @@ def find_in_package(path: Path, package: Package | None, finder: PackageFinder) 
     """
     if package is None:
         return None
-    parts = path.as_posix().replace("\\", "/").split("/")
+    parts = split_machine_path(path)
     for index, part in enumerate(parts[:-1]):
         inside = "/".join(parts[index + 1 :])
         place = package.path / inside
@@ -154,7 +160,7 @@ def find_in_package(path: Path, package: Package | None, finder: PackageFinder) 
 
 def find_in_named_package(path: Path, finder: PackageFinder) -> tuple[str, str] | None:
     """Return the package here that a path of another machine names, and the file of it behind the name; None without one."""
-    packages, parts = finder.list_packages(), path.as_posix().replace("\\", "/").split("/")
+    packages, parts = finder.list_packages(), split_machine_path(path)
     for index in (i for i, part in enumerate(parts[:-1]) if part in packages):
         inside = "/".join(parts[index + 1 :])
         place = packages[parts[index]] / inside
