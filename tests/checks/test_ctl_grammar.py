@@ -40,6 +40,7 @@ def find_errors(folder: Path, control: str) -> list[Finding]:
         (block(""), ["hardware"]),
         (block("<hardware/>"), ["plugin"]),
         (block("<hardware><plugin> </plugin></hardware>"), ["plugin-empty"]),
+        (block("<hardware><plugin name='p'><parameters>a.yaml</parameters></plugin></hardware>"), ["plugin-empty"]),
         (block(HARDWARE + "<jiont/>"), ["tag"]),
         (block(HARDWARE + "<joint/>"), ["attribute"]),
         (block(HARDWARE + "<gpio><command_interface name='x'/></gpio>"), ["attribute"]),
@@ -190,3 +191,16 @@ def test_a_hardware_under_a_condition_is_the_class_of_a_block_of_another_type(tm
     (finding,) = find(tmp_path, text, "CTL005", name="r.urdf.xacro")
     assert finding.fix is not None
     assert finding.fix.title == "write system, sensor or actuator"
+
+
+@pytest.mark.parametrize(
+    ("plugin", "says"),
+    [
+        ("<plugin/>", "is empty"),
+        ("<plugin><parameters>a.yaml</parameters></plugin>", "has no text"),
+        ("<plugin filename='liba.so'/>", "has no text"),
+    ],
+)
+def test_a_plugin_with_parts_but_no_text_is_not_empty(tmp_path: Path, plugin: str, says: str) -> None:
+    (finding,) = find_errors(tmp_path, block(f"<hardware>{plugin}</hardware>"))
+    assert f"of c {says}, so" in finding.message

@@ -155,7 +155,16 @@ def _require_plugin(model: Model, rule: Rule, element: Element, name: str) -> It
         yield rule.finding("plugin-chosen", at=element, severity=Severity.INFO, tag=element.tag, name=name)
     elif plugin is None or not plugin.text.strip():
         message = "plugin" if plugin is None else "plugin-empty"
-        yield rule.finding(message, at=plugin or element, tag=element.tag, name=name)
+        is_other = plugin is not None and bool(plugin.children or plugin.attributes)  # as a plugin of Gazebo has
+        repair = "write the class as the text of `<plugin>`: `<plugin>package/Class</plugin>`"
+        yield rule.finding(
+            message,
+            at=plugin or element,
+            tag=element.tag,
+            name=name,
+            lack="has no text" if is_other else "is empty",
+            repair=repair if is_other else "write the class: `package/Class`",
+        )
 
 
 def _is_typed_inside(model: Model, element: Element, start: str) -> bool:
