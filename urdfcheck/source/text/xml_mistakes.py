@@ -36,6 +36,8 @@ _HALF_COMMENTED = re.compile(r"""<!--([A-Za-z_][\w:.-]*)(?:\s+[\w:.-]+\s*=\s*(?:
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 # The line with which git begins a conflict, and the name of a tag that is followed by what cannot follow it.
 _CONFLICT = re.compile(r"^<{7}(?: |$)", re.MULTILINE)
+_DECLARATION = re.compile(r"<\?xml\s[^<>]*\?>")
+_TAG = re.compile(r"<[^\s<>/=\"'&!?]")
 _TAG_NAME = re.compile(r"[A-Za-z_][\w.:-]*\Z")
 # The roots of files that hold parts of them.
 _WHOLES = {
@@ -43,6 +45,14 @@ _WHOLES = {
     **dict.fromkeys(("xacro:include", "xacro:macro", "xacro:property", "xacro:arg"), "robot"),
     **dict.fromkeys(("node", "param", "rosparam", "include", "group", "arg", "let"), "launch"),
 }
+# Closed without attributes, these are refused, or say nothing: someone began to type one.
+_EMPTY_WITHOUT_ATTRIBUTES = frozenset(
+    {
+        *("xacro:property", "xacro:arg", "xacro:include", "xacro:insert_block"),
+        *("parent", "child", "mass", "inertia", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller"),
+        *("box", "cylinder", "sphere", "mesh", "color", "texture"),
+    }
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +216,11 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
 def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistake | None:
     """Return what is wrong with an attribute outside its quotes."""
     if here == "<":
+        name = inside.strip()
+        if name in _EMPTY_WITHOUT_ATTRIBUTES:
+            start = at - len(inside) - 1
+            message = f"`<{name}` has neither attributes nor a `>`"
+            return XmlMistake(message, start, start + 1 + len(name), "delete it, or write its attributes and `/>`")
         repair = (
             f"write `>` behind `<{_shorten(inside.split()[0])}`"
             if inside[:1] == "/"
@@ -400,11 +415,23 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
         if whole is not None:
             repair = f"put all elements into one <{whole}>: a file has one root"
         elif opened and tag[1] == opened[0][0]:
-            repair = "delete one of the two if it is a copy; else make them one element: a file has one root"
+            repair = "keep one if they are copies or versions of one another; else make them one element: a file has one root"
         return XmlMistake(message, *tag.span(), repair=repair)
     end = text.find("\n", at)
+    end = len(text) if end < 0 else max(end, at + 1)
+    plain = _COMMENT.sub("", text[at:])
+    again = len(_DECLARATION.findall(plain)) if _DECLARATION.match(plain) else 0
+    # A last line that is a declaration and nothing else is left over.
+    if again and _TAG.search(plain):
+        message = f"a second document begins after the end of {root}"
+        which = "both" if again == 1 else f"all {again + 1}"
+        repair = f"compare {which} documents in the file: keep the one that is meant, and delete the rest"
+        return XmlMistake(message, at, at + 5, repair=repair)
     message = f"there is text after the end of {root}"
-    return XmlMistake(message, at, len(text) if end < 0 else max(end, at + 1), repair="delete it")
+    repair = "delete it"
+    if opened and _TAG.search(plain):
+        repair += f"; what follows it belongs in {root}, or is left over"
+    return XmlMistake(message, at, end, repair=repair)
 
 
 def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake:

@@ -1,0 +1,61 @@
+"""Findings about what is left over in a file: their repair keeps what may be meant."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from conftest import check_text
+
+_DOCUMENT = '<?xml version="1.0"?>\n<robot name="r"><link name="a"/></robot>\n'
+
+
+@pytest.mark.parametrize(
+    ("text", "error", "repair"),
+    [
+        (
+            _DOCUMENT * 2,
+            "a second document begins",
+            "compare both documents in the file: keep the one that is meant, and ",
+        ),
+        (
+            f"{_DOCUMENT}<!-- of -->\n{_DOCUMENT * 2}",
+            "a second document begins",
+            "compare all 3 documents in the file: ",
+        ),
+        (f'{_DOCUMENT}<?xml version="1.0"?>\n', "there is text", "delete it"),
+        (f"{_DOCUMENT}-->\n", "there is text", "delete it"),
+        (
+            f"{_DOCUMENT}-->\n<link name='b'/>\n</robot>",
+            "there is text",
+            "delete it; what follows it belongs in <robot> ",
+        ),
+    ],
+)
+def test_which_of_several_documents_is_meant_is_not_guessed(tmp_path: Path, text: str, error: str, repair: str) -> None:
+    (finding,) = check_text(tmp_path, text, codes={"XML001"}).findings
+    assert error in finding.message
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert (finding.fix.title == "delete it") == (repair == "delete it")
+
+
+@pytest.mark.parametrize(
+    ("tag", "line", "repair"),
+    [
+        ("<xacro:property ", 2, "delete it, or write its attributes and `/>`"),
+        ("<origin", 2, "delete it, or write its attributes and `/>`"),
+        ("<visual", 3, "close the tag with `>` or `/>`"),
+        ('<xacro:property name="a" value="1"', 3, "close the tag with `>` or `/>`"),
+        ("<xacro:wheel", 3, "close the tag with `>` or `/>`"),
+    ],
+)
+def test_a_tag_that_needs_attributes_and_has_none_is_not_closed_but_deleted(
+    tmp_path: Path, tag: str, line: int, repair: str
+) -> None:
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">\n{tag}\n<link name="a"/></robot>'
+    (finding,) = check_text(tmp_path, text, "robot.urdf.xacro", codes={"XML001"}).findings
+    assert finding.location.span is not None
+    assert finding.location.span.line == line
+    assert finding.fix is not None
+    assert finding.fix.title == repair
