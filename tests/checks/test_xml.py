@@ -921,6 +921,9 @@ class TestXML014:
         newer = self.robot(limit.replace("/>", ' jerk="-1"/>'), name=' name="r" version="1.2"')
         (urdfdom,) = findings(tmp_path, newer, "XML014")
         assert (urdfdom.message_id, urdfdom.severity) == ("refused", Severity.ERROR)
+        assert urdfdom.location.subject == "joint[j]"
+        assert "joint [j]: jerk value" in urdfdom.headline
+        assert "valid URDF model" not in urdfdom.message
         follower = limit.replace('effort="1"', 'effort="-1"') + '<mimic joint="j"/>'
         (pinocchio,) = findings(tmp_path, self.robot(follower), "XML014")
         assert (pinocchio.message_id, pinocchio.severity) == ("pinocchio", Severity.WARNING)
@@ -936,6 +939,8 @@ class TestXML014:
             ('<limit lower="0" upper="1" effort="1" velocity="-1"/>', "revolute", ' name="r"', "JNT007"),
             ('<limit effort="1" velocity="1 "/>', "continuous", ' name="r"', "XML007"),
             ('<origin xyz="0 0"/>', "fixed", ' name="r"', "XML008"),
+            ('<origin xyz="0 \n 0 0"/>', "fixed", ' name="r"', "XML007"),
+            ('<origin xyz="0 0\t0"/>', "fixed", ' name="r"', "XML007"),
             ('<calibration rising="a"/>', "fixed", ' name="r"', "XML007"),
             ("<dynamics/>", "continuous", ' name="r"', "XML005"),
             ("<mimic/>", "continuous", ' name="r"', "XML005"),
@@ -1863,3 +1868,19 @@ def test_an_sdf_model_that_is_loaded_as_such_is_not_checked_and_not_wrong(
     (finding,) = find(tmp_path, files, "XML002", name="launch/car.launch")
     assert (finding.message_id, finding.severity) == ("format", severity)
     assert finding.blocks_check
+
+
+@pytest.mark.parametrize(
+    "numbers", ["0 0 0", "\n0 0 0", "0\n0 0", "0 \n 0 0", "0 0 0 \n", "\n 0 0 0", "0 \t0 0", "0\t 0 0", " 0  0 0 "]
+)
+def test_white_space_between_numbers_is_reported_where_urdfdom_stops_at_it(tmp_path: Path, numbers: str) -> None:
+    pinocchio = pytest.importorskip("pinocchio")
+    text = ROBOT.format(link="", joint=JOINT.format(effort="1", more=f'<origin xyz="{numbers}"/>'))
+    found = findings(tmp_path, text, "XML007")
+    try:
+        with capture_stderr():
+            pinocchio.buildModelFromXML(text)
+    except ValueError:
+        assert [finding.message_id for finding in found] == ["blank"]
+    else:
+        assert not found

@@ -13,7 +13,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.source.text.engine_reactions import describe_empty_number, describe_loss, describe_number_in_python
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, is_unexpanded, iter_first_elements
-from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, is_computable, parse_number
+from urdfcheck.source.text.values import DECIMAL, MAX_MAGNITUDE, has_unskipped_blank, is_computable, parse_number
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.source.xacro.usage import collect_macros, collect_properties, iter_elements_by_tag
 
@@ -224,11 +224,5 @@ def _find_extreme_number(attribute: Attribute) -> str | None:
 
 
 def _has_blank(attribute: Attribute, count: int, *, plain: bool) -> bool:
-    """Whether urdfdom does not skip some white space: any after a single number, a tab or line break after one of several.
-
-    xacro writes tabs and line breaks as spaces, so only the white space after a single number counts there.
-    """
-    text = attribute.typed if plain and attribute.literal else attribute.value
-    if count == 1:
-        return text != text.rstrip()
-    return any((part.strip() and part.lstrip() != part.strip()) or len(part.split()) > 1 for part in text.split(" "))
+    """Whether urdfdom does not skip some white space; xacro writes tabs and line breaks as spaces."""
+    return has_unskipped_blank(attribute.typed if plain and attribute.literal else attribute.value, count)

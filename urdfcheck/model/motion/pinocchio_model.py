@@ -27,7 +27,7 @@ from urdfcheck.source.text.grammar import (
     iter_urdf_elements,
     parse_urdf_version,
 )
-from urdfcheck.source.text.values import parse_numbers, read_attribute_number
+from urdfcheck.source.text.values import has_unskipped_blank, parse_numbers, read_attribute_number
 from urdfcheck.source.text.xml import Element, quote_attribute
 from urdfcheck.system.installation import compute_code_version, describe_left_out, find_library_origin
 
@@ -44,6 +44,9 @@ _KEPT_CHILDREN = {
 # What Pinocchio raises when urdfdom returned no model; any other error is its own.
 _NO_MODEL = "does not contain a valid URDF model"
 _SOURCE_LINE = re.compile(r"^\s*at line \d+ in .*$")
+# A value in brackets, whose line breaks and tabs are written as in C.
+_QUOTED = re.compile(r"(?<= )\[[^\[\]]*\]")
+_BREAKS = str.maketrans({"\n": "\\n", "\r": "\\r", "\t": "\\t"})
 _ANSI = re.compile(r"\x1b\[[0-9;]*m")
 
 
@@ -177,9 +180,7 @@ def _ensure_numbers(element: Element) -> None:
         attribute = element.attributes.get(name)
         if attribute is None:
             continue
-        # urdfdom skips white space before a single number and not after it.
-        trailing = count == 1 and attribute.value != attribute.value.rstrip()
-        if trailing or parse_numbers(attribute.value, count) is None:
+        if has_unskipped_blank(attribute.value, count) or parse_numbers(attribute.value, count) is None:
             raise FactUnavailableError(f"the number in {element.subject}@{name} is malformed (XML007, XML008)")
 
 
@@ -252,6 +253,8 @@ def _open_sink() -> IO[bytes]:
 def _clean_messages(text: str) -> Iterator[str]:
     """Yield the messages without colours, and without the lines that name urdfdom's own source."""
     messages: set[str] = set()
+    # A line break in a value that is quoted is not the end of the message.
+    text = _QUOTED.sub(lambda match: match[0].translate(_BREAKS), text)
     for raw in text.splitlines():
         line = re.sub(r"^(?:Error|Warning):\s*", "", _ANSI.sub("", raw)).strip()
         if line and not _SOURCE_LINE.match(line) and line not in messages:

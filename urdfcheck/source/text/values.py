@@ -39,6 +39,16 @@ def parse_numbers(text: str, count: int) -> tuple[float, ...] | None:
     return tuple(v for v in values if v is not None)
 
 
+def has_unskipped_blank(text: str, count: int) -> bool:
+    """Whether urdfdom stops at white space: any after one number; of several, a tab or line break after one or between spaces.
+
+    It splits several at spaces, and skips white space before a number only.
+    """
+    if count == 1:
+        return text != text.rstrip()
+    return any(not part.strip() or part != part.rstrip() or len(part.split()) > 1 for part in text.split(" ") if part)
+
+
 def read_attribute_number(element: Element | None, name: str) -> float | None:
     """Return the number of an attribute; None if the element, the attribute or a number is missing."""
     attribute = element.attributes.get(name) if element is not None else None
