@@ -493,7 +493,7 @@ class TestXML003:
             ("<kinematic>1</kinematic>", 'move it into `<gazebo reference="a">…</gazebo>` at the end of the robot'),
             (
                 '<collision name="skin"><surface><mu>1</mu></surface></collision>',
-                'move it into `<gazebo reference="a"><collision>…</collision></gazebo>` at the end of the robot, and delete',
+                'move <mu> as <mu1> directly into `<gazebo reference="a">…</gazebo>` at the end of the robot, and delete the ',
             ),
         ],
     )
@@ -1501,7 +1501,23 @@ def test_friction_in_a_geometry_is_moved_to_the_link(tmp_path: Path) -> None:
         (
             "<collision><surface><contact><ode><kp>1</kp><minDepth>1</minDepth><soft_erp>1</soft_erp></ode></contact></surface></collision>",
             "warning",
-            ">…</gazebo>` at the end of the robot, and <soft_erp> into <collision><surface> in it",
+            ">…</gazebo>` at the end of the robot, and <soft_erp> into <collision><surface><contact><ode> in it",
+        ),
+        (
+            "<collision><surface><friction><mu>9</mu><mu2>9</mu2><slip1>1</slip1></friction></surface></collision>",
+            "warning",
+            'move <mu> as <mu1> and <mu2> directly into `<gazebo reference="l">…</gazebo>` at the end of the robot, and <slip1> '
+            "into <collision><surface><friction><ode> in it",
+        ),
+        (
+            "<collision><surface><friction><ode><mu>9</mu><minDepth>1</minDepth></ode></friction></surface></collision>",
+            "warning",
+            "move <mu> as <mu1> and <minDepth> directly into",
+        ),
+        (
+            "<collision><surface><contact><bullet><kp>1</kp></bullet></contact></surface></collision>",
+            "warning",
+            'move it into `<gazebo reference="l"><collision>…</collision></gazebo>`',
         ),
         ("<surface><friction/></surface>", "info", ""),
         ("<gravity>1</gravity>", "info", ""),

@@ -64,6 +64,14 @@ _URDF_OF_CONTACTS = frozenset({"mu1", "minDepth", "maxVel"})
 _OF_CONTACTS = frozenset({*_URDF_OF_CONTACTS, "mu2", "fdir1", "kp", "kd"})
 # Their names in SDF where those differ.
 _NAMES_IN_BLOCK = {"mu": "mu1", "min_depth": "minDepth", "max_vel": "maxVel"}
+# The elements of a surface that hold others, those around what an engine reads, and where some are read.
+_SURFACE = frozenset({"surface", "friction", "contact", "bounce", "ode", "bullet", "torsional"})
+_ENGINES = frozenset({"ode", "bullet"})
+_HOMES_IN_SURFACE = {
+    **dict.fromkeys(("soft_cfm", "soft_erp"), "<contact><ode>"),
+    **dict.fromkeys(("slip1", "slip2"), "<friction><ode>"),
+    **dict.fromkeys(("restitution_coefficient", "threshold"), "<bounce>"),
+}
 # What holds the friction of a shape in SDF.
 _FRICTION = frozenset({"surface", "friction", "ode"})
 # Those of a whole model: sdformat hands them to it only from a <gazebo> without a reference.
@@ -591,18 +599,46 @@ def _describe_sdf_repair(parent: str, places: list[Element], model: Model) -> st
             f'delete it{others}: `<gazebo reference="{name}">` has its own {own}, which Gazebo uses; '
             "correct the numbers there if these are right"
         )
-    if child.tag == "surface" and not _URDF_OF_CONTACTS.isdisjoint(leaves):
-        direct = _list_tags([tag for tag in leaves if tag in _OF_CONTACTS])
-        rest = [tag for tag in leaves if tag not in _OF_CONTACTS]
-        kept = f", and {_list_tags(rest)} into <{around}><surface> in it" if rest else ""
-        return (
-            f'move {direct} directly into `<gazebo reference="{name}">…</gazebo>` {where}{kept}{others}{_UNLESS_RIGHT}'
-        )
     block = f'`<gazebo reference="{name}">{inside}</gazebo>` {where}'
     repair = f"write {block} instead{others}" if is_off else f"move it into {block}{others}"
+    if child.tag == "surface" and (moved := _describe_moved_contacts(places, around)):
+        direct, kept = moved
+        repair = f'move {direct} directly into `<gazebo reference="{name}">…</gazebo>` {where}{kept}{others}'
     if child.tag in _SDF_OF_SHAPES and any(map(_is_in_named_shape, places)):
         repair += f", and delete the name of the <{around}>, with which Gazebo ignores this block (GZB003)"
     return repair if is_off else f"{repair}{_UNLESS_RIGHT}"
+
+
+def _describe_moved_contacts(places: list[Element], around: str) -> tuple[str, str] | None:
+    """Say what of a surface is to be typed directly in a <gazebo> block, and where the rest is read in it.
+
+    None if all of the surface is SDF and in its place: then it is moved as it is.
+    """
+    leaves = [e for place in places for e in place.walk() if not e.children and e.tag not in _SURFACE]
+    direct = {e.tag: _NAMES_IN_BLOCK.get(e.tag, e.tag) for e in leaves}
+    direct = {tag: name for tag, name in direct.items() if name in _OF_CONTACTS}
+    misplaced = (e for e in leaves if e.tag in direct and (e.parent is None or e.parent.tag not in _ENGINES))
+    if _URDF_OF_CONTACTS.isdisjoint(direct) and not any(misplaced):
+        return None
+    *before, last = (f"<{tag}>" if tag == name else f"<{tag}> as <{name}>" for tag, name in direct.items())
+    listed = " and ".join(filter(None, (", ".join(before), last)))
+    rest: dict[str, dict[str, None]] = {}
+    for e in (e for e in leaves if e.tag not in direct):
+        rest.setdefault(_HOMES_IN_SURFACE.get(e.tag) or _list_tags_around(e, "surface"), {})[e.tag] = None
+    kept = "".join(
+        f", and {_list_tags(list(tags))} into <{around}><surface>{home} in it" for home, tags in rest.items()
+    )
+    return listed, kept
+
+
+def _list_tags_around(element: Element, outermost: str) -> str:
+    """Return ``<contact><ode>`` for the elements around one, up to one that is not listed."""
+    tags: list[str] = []
+    above = element.parent
+    while above is not None and above.tag != outermost:
+        tags.insert(0, f"<{above.tag}>")
+        above = above.parent
+    return "".join(tags)
 
 
 def _describe_pose_repair(parent: str, places: list[Element]) -> str:
