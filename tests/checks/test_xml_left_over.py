@@ -59,3 +59,22 @@ def test_a_tag_that_needs_attributes_and_has_none_is_not_closed_but_deleted(
     assert finding.location.span.line == line
     assert finding.fix is not None
     assert finding.fix.title == repair
+
+
+@pytest.mark.parametrize(
+    ("axes", "message", "repair"),
+    [
+        ('<axis xyz="0 1 0"/><axis><limit><lower>-0.1</lower></limit></axis>', "unread", "delete it; if a simulator"),
+        ('<axis><limit><lower>-0.1</lower></limit></axis><axis xyz="0 1 0"/>', "repeated", "delete the first <axis>: "),
+        ('<axis xyz="0 1 0"/><axis xyz="0 0 1"><limit/></axis>', "repeated", "delete the wrong <axis>"),
+    ],
+)
+def test_an_element_of_which_nothing_is_read_is_not_merged(
+    tmp_path: Path, axes: str, message: str, repair: str
+) -> None:
+    ends = f'<parent link="a"/><child link="b"/>{axes}'
+    text = f'<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="continuous">{ends}</joint></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML006"}).findings
+    assert (finding.message_id, str(finding.severity)) == (message, "warning" if message == "unread" else "error")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)

@@ -7,7 +7,13 @@ from collections.abc import Iterable, Iterator, Mapping
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import join_names, truncate_text
 from urdfcheck.model import Model
-from urdfcheck.source.text.grammar import NUMERIC_ATTRIBUTES, iter_urdf_elements, list_repeated_children
+from urdfcheck.source.text.grammar import (
+    CHILDREN,
+    NUMERIC_ATTRIBUTES,
+    get_known_attributes,
+    iter_urdf_elements,
+    list_repeated_children,
+)
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
@@ -38,6 +44,8 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     is_rest_empty = not _is_empty(first) and all(map(_is_empty, same[1:]))
     message = "identical" if identical else "empty" if is_rest_empty else "repeated"
     message = "shapes" if element.tag == "geometry" and not identical else message
+    is_rest_unread = message == "repeated" and not any(map(_is_read, same[1:]))
+    message = "unread" if is_rest_unread else message
     # urdfdom reads only the first: deleting the others changes nothing there. Of equal ones the innermost macro's is kept, for
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
@@ -55,7 +63,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         at=places[1],
         related=[*dict.fromkeys((places[0], first.location)), *places[2:10]],
         edits=edits if is_certain else (),
-        severity=Severity.WARNING if removed else None,
+        severity=Severity.WARNING if removed or message == "unread" else None,
         consequences=None if message == "shapes" else {"mujoco": _describe_mujoco_behaviour(element, second)},
         parent=_describe_owner(element),
         tag=second.tag,
@@ -64,6 +72,8 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         listed=join_names(f"<{shape.tag}>" for shape in same),
         repair="delete what is left over; if both are meant, give each its own " + element.tag
         if second.tag == "geometry"
+        else f"delete the first <{second.tag}>: programs read nothing of what it holds"
+        if not _is_read(first)
         else "merge them, for each has what the others lack, or delete what is left over"
         if _can_merge(same)
         else _OF_PARTS
@@ -102,6 +112,13 @@ def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Locat
     typed = find_typed(model.source.trees, parent)
     insertions = [] if typed is None else [each for each in typed.walk() if each.tag == "xacro:insert_block"]
     return Location(inserted.subject, insertions[0].span, parent.via) if len(insertions) == 1 else None
+
+
+def _is_read(element: Element) -> bool:
+    """Whether an element has an attribute or a child that URDF parsers read in it."""
+    known = CHILDREN.get(element.tag, frozenset())
+    held = any(child.tag in known for child in element.children)
+    return held or not get_known_attributes(element.tag).isdisjoint(element.attributes)
 
 
 def _is_empty(element: Element) -> bool:
