@@ -31,6 +31,18 @@ CONDITION = """<launch><arg name="heavy" default="false"/><param if="$(arg heavy
 command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro mass:=2 length:=1"/><param unless="$(arg heavy)"
 name="robot_description" command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro"/></launch>"""
 
+INNER = """<launch><arg name="mass"/><arg name="length"/><param name="robot_description"
+command="$(find xacro)/xacro $(find arm)/urdf/arm.urdf.xacro mass:=$(arg mass) length:=$(arg length)"/></launch>"""
+OUTER = """<launch><include file="$(find arm)/launch/arm.launch"><arg name="mass" value="{0}"/><arg name="length" value="{0}"/>
+</include></launch>"""
+DECLARED = "".join(
+    f"DeclareLaunchArgument(\n  '{name}',\n  default_value=TextSubstitution(text='{{0}}'))\n"
+    for name in ("mass", "length")
+)
+CONFIGURED = (
+    f"Command(['xacro ', {XACRO}, ' mass:=', LaunchConfiguration('mass'), ' length:=', LaunchConfiguration('length')])"
+)
+
 
 def find(folder: Path, launches: dict[str, str], *, largest: str = "1e-6", **settings: object) -> Run:
     files = {"package.xml": PACKAGE, "urdf/arm.urdf.xacro": ARM.format(largest), **launches}
@@ -135,3 +147,27 @@ def test_a_severity_that_is_given_stays(tmp_path: Path) -> None:
     launches = {"launch/arm.launch.py": COMPUTED}
     run = find(tmp_path, launches, unrequested=frozenset({"INR002", "GEO001"}), severities={"INR002": "error"})
     assert list_codes(run) == ["INR002"]
+
+
+@pytest.mark.parametrize(("number", "is_listed"), [("0.0", True), ("0.4", False)])
+@pytest.mark.parametrize(
+    "launches",
+    [
+        {"launch/arm.launch": INNER, "launch/all.launch": OUTER},
+        {"launch/arm.launch.py": DECLARED + CONFIGURED},
+    ],
+    ids=["an outer file passes it", "a computed text is the default"],
+)
+def test_a_number_that_comes_from_elsewhere_may_be_the_default(
+    tmp_path: Path, launches: dict[str, str], number: str, is_listed: bool
+) -> None:
+    filled = {name: text.replace("{0}", number) for name, text in launches.items()}
+    run = find(tmp_path, filled, unrequested=frozenset({"INR002", "GEO001"}))
+    assert list_codes(run) == ["GEO001", "INR002"] * is_listed
+
+
+@pytest.mark.parametrize(("given", "is_listed"), [("", True), (" mass:=$M length:=0.4", False)])
+def test_a_command_in_the_readme_is_a_start_too(tmp_path: Path, given: str, is_listed: bool) -> None:
+    files = {"launch/arm.launch.py": COMPUTED, "README.md": f"    xacro urdf/arm.urdf.xacro{given} > arm.urdf\n"}
+    run = find(tmp_path, files, unrequested=frozenset({"INR002", "GEO001"}))
+    assert list_codes(run) == ["GEO001", "INR002"] * is_listed

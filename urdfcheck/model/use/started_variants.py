@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from functools import cached_property, lru_cache
 from itertools import islice
 from pathlib import Path
@@ -15,6 +15,7 @@ from typing import Any
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names, join_names
+from urdfcheck.source.arguments.written_commands import list_arguments_of_commands
 from urdfcheck.source.launch.passed_arguments import (
     BESIDE,
     MOST_LAUNCHES,
@@ -34,6 +35,9 @@ from urdfcheck.system.files import read_text_or_nothing
 
 # What launch files that start Gazebo name: its packages and programs.
 _GAZEBO = re.compile(r"gazebo|\b(?:ros_)?(?:gz|ign)_|\b(?:gz|ign) sim", re.IGNORECASE)
+# How far behind the name of an argument its default is typed, at most (characters, chosen).
+_REACH = 200
+_QUOTED_NUMBER = re.compile(r"[\"']\s*([-+]?[\d.]+(?:[eE][-+]?\d+)?)\s*[\"']")
 # Limit on the sets of arguments that one model is expanded with again.
 _MOST_VARIANTS = 6
 
@@ -163,9 +167,34 @@ def find_replaced_defaults(source: Source, names: Collection[str]) -> dict[str, 
             is_other = may_pass_argument(starter, name)
         return is_other and not leaves_argument_out(starter, name, real, source.finder)
 
+    replaced = [name for name in wanted if sets and all(replaces(starter, passed, name) for starter, passed in sets)]
+    if not replaced:
+        return {}
+    commands = list_arguments_of_commands(source.path, source.finder)
+    texts = list(_iter_texts_around([starter for starter, _ in sets], source))
     return {
-        name: sets[0][0] for name in wanted if sets and all(replaces(starter, passed, name) for starter, passed in sets)
+        name: sets[0][0]
+        for name in replaced
+        if all(name in passed for passed in commands) and not any(_gives(text, name, defaults[name]) for text in texts)
     }
+
+
+def _iter_texts_around(starters: Sequence[Path], source: Source) -> Iterator[str]:
+    """Yield the texts of the launch files of a project that start a model, or include what does."""
+    names = compile_names({starter.name for starter in starters})
+    project = source.finder.find_project_above(source.path.absolute())
+    folder = project if project is not None and source.finder.can_open(project) else source.path.parent
+    for launch in islice(iter_launch_files(folder, source.finder, with_unnamed=True), MOST_LAUNCHES):
+        text = read_text_or_nothing(launch, MAX_PYTHON)
+        if launch in starters or names.search(text):
+            yield text
+
+
+def _gives(text: str, name: str, number: float) -> bool:
+    """Whether a launch file types a number right behind the name of an argument: as its default or the value that it passes."""
+    behind = re.compile(rf"[\"']{re.escape(name)}[\"']([^<>]{{0,{_REACH}}})")
+    typed = (word for match in behind.finditer(text) for word in _QUOTED_NUMBER.findall(match[1]))
+    return any(parse_number(word) == number for word in typed)
 
 
 @lru_cache(maxsize=1)

@@ -24,6 +24,8 @@ _PROGRAM = re.compile(r"(?<![\w/.-])xacro(?:\.py)?(?![\w/.:=-])|\bxacro_add_\w+"
 _ASSIGNED = re.compile(
     r"""(?<![\w.:/-])([A-Za-z_][\w.-]*):=(?:"([^"$<>{}\n]*)"|'([^'$<>{}\n]*)'|([\w./+-]+)(?![\w$<{(]))"""
 )
+# An argument, whatever its value.
+_NAME = re.compile(r"(?<![\w.:/-])([A-Za-z_][\w.-]*):=")
 # What separates two commands: the end of a line that does not go on, or of brackets, or what a shell has; in CMake only brackets.
 _BORDER = re.compile(r"(?<!\\)\r?\n|[);|&>`]")
 _BORDER_IN_CMAKE = re.compile(r"\)")
@@ -33,9 +35,25 @@ _LONGEST = 1_000
 def find_written_arguments(model: Path, finder: PackageFinder) -> dict[str, PassedArgument]:
     """Return by name what commands in the files of a model's package pass to its arguments; of several values, the first."""
     found: dict[str, PassedArgument] = {}
+    for file, begin, end in _iter_commands(model, finder):
+        for assigned in _ASSIGNED.finditer(file.text, begin, end):
+            value = next(group for group in assigned.groups()[1:] if group is not None)
+            place = Location(f"argument[{assigned[1]}]", file.make_span(*assigned.span()))
+            found.setdefault(assigned[1], PassedArgument(name=assigned[1], value=value, location=place, rank=0))
+    return found
+
+
+def list_arguments_of_commands(model: Path, finder: PackageFinder) -> list[frozenset[str]]:
+    """List for each of these commands the names of the arguments that it passes, also those with a computed value."""
+    commands = _iter_commands(model, finder)
+    return [frozenset(_NAME.findall(file.text, begin, end)) for file, begin, end in commands]
+
+
+def _iter_commands(model: Path, finder: PackageFinder) -> Iterator[tuple[SourceFile, int, int]]:
+    """Yield the files with commands that expand a model, with the begin and the end of what follows its name."""
     package = finder.find_package_of(model.absolute())
     if package is None:
-        return found
+        return
     name = compile_names((model.name,))
     for path in islice(_iter_files(package.path, finder), _MOST_FILES):
         try:
@@ -49,12 +67,7 @@ def find_written_arguments(model: Path, finder: PackageFinder) -> dict[str, Pass
             if not _PROGRAM.search(text, starts[-1] if starts else 0, match.start()):
                 continue
             end = border.search(text, match.end(), match.end() + _LONGEST)
-            last = match.end() + _LONGEST if end is None else end.start()
-            for assigned in _ASSIGNED.finditer(text, match.end(), last):
-                value = next(group for group in assigned.groups()[1:] if group is not None)
-                place = Location(f"argument[{assigned[1]}]", file.make_span(*assigned.span()))
-                found.setdefault(assigned[1], PassedArgument(name=assigned[1], value=value, location=place, rank=0))
-    return found
+            yield file, match.end(), match.end() + _LONGEST if end is None else end.start()
 
 
 def _iter_files(package: Path, finder: PackageFinder) -> Iterator[Path]:
