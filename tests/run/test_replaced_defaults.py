@@ -8,6 +8,7 @@ import pytest
 from conftest import check
 
 from urdfcheck.core import Run, SkippedCheck
+from urdfcheck.output.shared.verdict.losses import list_refusing_notes
 from urdfcheck.policy.on_request import list_argument_names
 
 ARM = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro">
@@ -60,7 +61,7 @@ def test_they_are_not_listed_and_the_run_says_so(tmp_path: Path) -> None:
     run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, unrequested=frozenset({"INR002", "GEO001"}))
     assert list_codes(run) == []
     assert sorted(note.code for note in run.unrequested) == ["GEO001", "INR002"]
-    (skip,) = (skip for skip in run.skipped if skip.code == SkippedCheck.FINDINGS)
+    (skip,) = (skip for skip in run.skipped if skip.code == SkippedCheck.DEFAULTS)
     assert skip.is_partial
     assert "the defaults of length, mass; arm.launch.py passes other values" in skip.reason
 
@@ -171,3 +172,9 @@ def test_a_command_in_the_readme_is_a_start_too(tmp_path: Path, given: str, is_l
     files = {"launch/arm.launch.py": COMPUTED, "README.md": f"    xacro urdf/arm.urdf.xacro{given} > arm.urdf\n"}
     run = find(tmp_path, files, unrequested=frozenset({"INR002", "GEO001"}))
     assert list_codes(run) == ["GEO001", "INR002"] * is_listed
+
+
+def test_the_html_report_shows_what_the_defaults_alone_would_cause(tmp_path: Path) -> None:
+    run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, unrequested=frozenset({"INR002", "GEO001"}))
+    shown = list_refusing_notes(run)
+    assert sorted(finding.code for finding in shown.findings) == ["GEO001", "INR002"]

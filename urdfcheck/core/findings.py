@@ -282,7 +282,9 @@ class SkippedCheck:
     """What takes that place where only the errors of a model are reported."""
     FINDINGS: ClassVar[str] = "the list of errors and warnings"
     """What takes that place where nothing is reported of a model but why it cannot be checked."""
-    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL, WARNINGS, FINDINGS})
+    DEFAULTS: ClassVar[str] = "the list of what defaults cause"
+    """What takes that place where the findings about defaults of arguments are notes."""
+    NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL, WARNINGS, FINDINGS, DEFAULTS})
     """What takes that place where something was not checked by any rule."""
 
     code: str

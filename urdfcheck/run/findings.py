@@ -139,7 +139,7 @@ def finalize_unit_findings(
         for code in list_held_back(finding)
     ]
     if of_defaults:
-        skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _describe_defaults(replaced), is_partial=True))
+        skips.append(SkippedCheck(SkippedCheck.DEFAULTS, unit.id, _describe_defaults(replaced), is_partial=True))
     if policy.is_kept_aside and unrequested:
         skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _KEPT_ASIDE, is_partial=True))
     elif policy.is_for_tests and unrequested:
@@ -171,7 +171,7 @@ def _describe_defaults(replaced: Mapping[str, Path]) -> str:
     first, starter = next(iter(replaced.items()))
     defaults, others = ("default", "another value") if len(replaced) == 1 else ("defaults", "other values")
     return (
-        f"they come from the {defaults} of {names}; {starter.name} passes {others}: check with these, --arg {first}:=…"
+        f"what comes from the {defaults} of {names}; {starter.name} passes {others}: check with these, --arg {first}:=…"
     )
 
 

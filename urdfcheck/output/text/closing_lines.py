@@ -67,6 +67,8 @@ def _describe_skip(codes: Collection[str], reason: str, where: str) -> str:
         return f"not checked{where}: {reason.removeprefix('is not checked: ')}"
     if codes == {SkippedCheck.WARNINGS}:
         return f"warnings not listed{where}: {reason}"
+    if codes == {SkippedCheck.DEFAULTS}:
+        return f"not listed as errors and warnings{where}: {reason}"
     if codes == {SkippedCheck.FINDINGS}:
         return f"errors and warnings not listed{where}: {reason}"
     return f"skipped {join_names(sorted(codes), MAX_CODES)}: {reason}{where}"
