@@ -67,6 +67,8 @@ def test_a_tag_that_needs_attributes_and_has_none_is_not_closed_but_deleted(
         ('<axis xyz="0 1 0"/><axis><limit><lower>-0.1</lower></limit></axis>', "unread", "delete it; if a simulator"),
         ('<axis><limit><lower>-0.1</lower></limit></axis><axis xyz="0 1 0"/>', "repeated", "delete the first <axis>: "),
         ('<axis xyz="0 1 0"/><axis xyz="0 0 1"><limit/></axis>', "repeated", "delete the wrong <axis>"),
+        ('<axis xyz="0 1 0"/><axis xzy="0 0 1"/>', "repeated", "merge them"),  # XML004 proposes the right name
+        ('<axis xzy="0 1 0"/><axis xyz="0 0 1"/>', "repeated", "merge them"),
     ],
 )
 def test_an_element_of_which_nothing_is_read_is_not_merged(

@@ -11,6 +11,7 @@ from urdfcheck.source.text.grammar import (
     CHILDREN,
     NUMERIC_ATTRIBUTES,
     get_known_attributes,
+    guess_attribute,
     iter_urdf_elements,
     list_repeated_children,
 )
@@ -115,10 +116,11 @@ def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Locat
 
 
 def _is_read(element: Element) -> bool:
-    """Whether an element has an attribute or a child that URDF parsers read in it."""
+    """Whether an element has an attribute or a child that URDF parsers read in it, or a misspelt attribute (XML004)."""
     known = CHILDREN.get(element.tag, frozenset())
     held = any(child.tag in known for child in element.children)
-    return held or not get_known_attributes(element.tag).isdisjoint(element.attributes)
+    attributes = get_known_attributes(element.tag)
+    return held or any(name in attributes or guess_attribute(element, name) for name in element.attributes)
 
 
 def _is_empty(element: Element) -> bool:
