@@ -48,6 +48,8 @@ def test_which_of_several_documents_is_meant_is_not_guessed(tmp_path: Path, text
         ("<visual", 3, "close the tag with `>` or `/>`"),
         ('<xacro:property name="a" value="1"', 3, "close the tag with `>` or `/>`"),
         ("<xacro:wheel", 3, "close the tag with `>` or `/>`"),
+        ("<limit\n<lower>0</lower></limit>", 3, "close the tag with `>` or `/>`"),  # as in SDF
+        ('<limit\n<limit lower="0"></limit>', 2, "delete it, or write its attributes and `/>`"),
     ],
 )
 def test_a_tag_that_needs_attributes_and_has_none_is_not_closed_but_deleted(

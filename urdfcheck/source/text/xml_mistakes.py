@@ -213,11 +213,17 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
     return _describe_attribute(text, at, inside, here)
 
 
+def _is_ended_behind(text: str, at: int, name: str) -> bool:
+    """Whether the next tag of a name is an end tag: what is before it is in the element, as in SDF."""
+    following = re.compile(rf"<(/?){re.escape(name)}(?![\w:.-])").search(text, at)
+    return following is not None and following[1] == "/"
+
+
 def _describe_attribute(text: str, at: int, inside: str, here: str) -> XmlMistake | None:
     """Return what is wrong with an attribute outside its quotes."""
     if here == "<":
         name = inside.strip()
-        if name in _EMPTY_WITHOUT_ATTRIBUTES:
+        if name in _EMPTY_WITHOUT_ATTRIBUTES and not _is_ended_behind(text, at, name):
             start = at - len(inside) - 1
             message = f"`<{name}` has neither attributes nor a `>`"
             return XmlMistake(message, start, start + 1 + len(name), "delete it, or write its attributes and `/>`")
