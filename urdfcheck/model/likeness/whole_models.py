@@ -99,16 +99,25 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
 def find_defining_file(model: Model, link: str) -> Path | None:
     """Return the nearest other robot file of the repository that spells out a link of this name and none of the model's own, or
     None: a common name such as ``world`` is in files of other robots too."""
-    found: list[tuple[int, Path]] = []
-    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
-        try:
-            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
-        except OSError:
-            continue
-        spelled = {a or b for a, b in _LINK_NAME.findall(COMMENT.sub("", text))} if link in text else set()
-        if link in spelled and spelled.isdisjoint(model.link_by_name):
-            found.append((-_measure_common_path(model, path), path))
-    return min(found, default=(0, None))[1]
+    spelled = ((path, _read_link_names(model, path)) for path in _list_nearest_files(model))
+    return next((path for path, names in spelled if link in names and names.isdisjoint(model.link_by_name)), None)
+
+
+@fact
+def _list_nearest_files(model: Model) -> tuple[Path, ...]:
+    """Return the robot files of the repository, those nearest to the model first."""
+    files = islice(_iter_robot_files(model.source), _MOST_FILES)
+    return tuple(sorted(files, key=lambda path: (-_measure_common_path(model, path), path)))
+
+
+@fact
+def _read_link_names(_model: Model, path: Path) -> frozenset[str]:
+    """Return the links that a file spells out; a model with many unknown links asks for those of the same file for each."""
+    try:
+        text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+    except OSError:
+        return frozenset()
+    return frozenset(a or b for a, b in _LINK_NAME.findall(COMMENT.sub("", text)))
 
 
 def _measure_common_path(model: Model, path: Path) -> int:
