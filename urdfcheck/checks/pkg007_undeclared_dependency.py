@@ -15,9 +15,9 @@ from urdfcheck.core.text import join_names
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
-from urdfcheck.source.package.finder import Package, has_dependency_entry, load_package
+from urdfcheck.source.package.finder import Package, has_dependency_entry, is_kept_aside, load_package
 from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
-from urdfcheck.source.package.package_folders import IGNORE_MARKS, TEST_FOLDERS, is_kept_aside, read_manifest_name
+from urdfcheck.source.package.package_folders import IGNORE_MARKS, TEST_FOLDERS, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -406,7 +406,7 @@ def _is_aside(use: PackageMention, package: Package) -> bool:
     file = Path(use.location.span.file)
     if is_left_out_by_template(use.package, file, package.path):
         return True
-    return is_kept_aside(file, package.path) or (_are_in_launch_files([use]) and _is_malformed(file))
+    return is_kept_aside(file, package) or (_are_in_launch_files([use]) and _is_malformed(file))
 
 
 def _is_malformed(launch: Path) -> bool:

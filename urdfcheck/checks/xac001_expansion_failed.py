@@ -26,8 +26,7 @@ from urdfcheck.source.launch.built_files import may_be_built
 from urdfcheck.source.load import Source, expand_edited, locate_expression
 from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
-from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
 from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
     find_uninstalled_file,
@@ -166,7 +165,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         # A piece that lacks what another file of its package defines was left out of the model: no program loads it.
         is_left_out = bool(report.data.get("defining")) and _is_unused(source)
         is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
-        is_left_out |= source.package is not None and is_kept_aside(source.path, source.package.path)
+        is_left_out |= is_kept_aside(source.path, source.package)
         is_left_out |= passing is not None  # where it is started, the model has a value
         is_left_out |= is_no_robot
         is_left_out |= report.message == "environment-unread"  # only here it has no value

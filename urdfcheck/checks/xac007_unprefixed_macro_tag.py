@@ -15,7 +15,7 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.finder import is_kept_aside
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.problems import find_lacking
 from urdfcheck.source.text.tokens import build_removal_edits
@@ -138,14 +138,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
             consequences=_describe_consequences(source, elements),
         )
-        if finding.severity is Severity.ERROR and _is_kept_aside(source):
+        if finding.severity is Severity.ERROR and is_kept_aside(source.path, source.package):  # no program loads it
             finding = replace(finding, severity=Severity.WARNING)
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
-
-
-def _is_kept_aside(source: Source) -> bool:
-    """Whether a model is in a folder of what is kept and not used: no program loads it."""
-    return source.package is not None and is_kept_aside(source.path, source.package.path)
 
 
 def _calls_itself(element: Element) -> bool:

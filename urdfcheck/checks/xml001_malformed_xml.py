@@ -8,8 +8,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, has_unbound_xacro
-from urdfcheck.source.package.finder import Package
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.finder import Package, is_kept_aside
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.resources import find_in_named_package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
@@ -51,7 +50,7 @@ def check(subject: Source | LaunchContext | Package, rule: Rule) -> Iterator[Fin
     elif isinstance(subject, LaunchContext):
         launch = subject.launch
         # Nothing starts what is kept in a folder of files that are not used.
-        is_aside = launch.package is not None and is_kept_aside(launch.path, launch.package.path)
+        is_aside = is_kept_aside(launch.path, launch.package)
         for finding in _check_companion_file(rule, "launch", problems=launch.problems, files=launch.files):
             yield replace(finding, severity=Severity.WARNING) if is_aside else finding
         # In a folder it is not meant for roslaunch; where it is named, nothing would be checked.

@@ -12,7 +12,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.finder import is_kept_aside
 from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -115,8 +115,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         for child in parent.children:
             if _is_unknown_element(parent.tag, child):
                 unknown.setdefault((parent.tag, child.tag), []).append(child)
-    package = model.source.package
-    is_aside = package is not None and is_kept_aside(model.source.path, package.path)  # no program loads it
+    is_aside = is_kept_aside(model.source.path, model.source.package)  # no program loads it
     for (parent_tag, tag), places in _leave_out_calls(model, unknown).items():
         verdict = _classify_element(parent_tag, places, model)
         if verdict is None:

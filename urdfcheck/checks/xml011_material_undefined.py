@@ -13,8 +13,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.parts import Shape
 from urdfcheck.model.use.gazebo_starts import is_only_for_gazebo
 from urdfcheck.model.use.project_texts import list_project_texts
-from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.package.package_folders import is_kept_aside
+from urdfcheck.source.package.finder import format_path, is_kept_aside
 from urdfcheck.source.resources import ResourceUse, find_missing_path, list_resource_uses
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import is_named_nowhere
@@ -107,8 +106,7 @@ def _are_coloured_by_gazebo(model: Model, links: Collection[str]) -> bool:
 
 def _is_left_aside(model: Model) -> bool:
     """Whether the file is kept in a folder of files that are not used, and no file of its project names it."""
-    package = model.source.package
-    return package is not None and is_kept_aside(model.source.path, package.path) and is_named_nowhere(model.source)
+    return is_kept_aside(model.source.path, model.source.package) and is_named_nowhere(model.source)
 
 
 def _hangs_on_another_robot(model: Model) -> bool:

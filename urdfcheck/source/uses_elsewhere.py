@@ -17,11 +17,10 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source, read_xacro_source
 from urdfcheck.source.model_file import compile_includes, may_compute_name, names_file
-from urdfcheck.source.package.finder import format_path, has_dependency_entry
+from urdfcheck.source.package.finder import format_path, has_dependency_entry, is_kept_aside
 from urdfcheck.source.package.package_folders import (
     TEST_FOLDERS,
     get_used_name,
-    is_kept_aside,
     iter_package_texts,
     read_package_texts,
 )
@@ -390,7 +389,7 @@ def explain_kept_file(source: Source) -> str:
     folders = Path(os.path.relpath(source.path.absolute(), project)).parts[:-1]
     if not TEST_FOLDERS.isdisjoint(folder.lower() for folder in folders):
         return OF_TESTS
-    if source.package is not None and is_kept_aside(source.path, source.package.path) and is_named_nowhere(source):
+    if is_kept_aside(source.path, source.package) and is_named_nowhere(source):
         return KEPT_ASIDE
     used = find_used_copy(source)
     return (

@@ -22,8 +22,8 @@ from urdfcheck.source.launch.static_transforms import StaticTransform, read_stat
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
-from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import get_used_name, is_kept_aside, read_package_texts
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
+from urdfcheck.source.package.package_folders import get_used_name, read_package_texts
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
@@ -140,7 +140,7 @@ class Launch:
         package names: ``car_old.launch`` of ``car.launch``."""
         if self.package is None:
             return False
-        if is_kept_aside(self.path, self.package.path):
+        if is_kept_aside(self.path, self.package):
             return True
         used = get_used_name(self.path.name)
         if not used or not self.finder.can_open(self.path.with_name(used)) or not self.path.with_name(used).is_file():

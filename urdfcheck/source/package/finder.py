@@ -16,6 +16,7 @@ from urdfcheck.source.package.package_folders import (
     PackagesByName,
     SearchedFolders,
     find_nearest_folder,
+    is_aside_folder,
     list_folders_called,
     list_subfolders,
     read_manifest_name,
@@ -76,6 +77,15 @@ class Package:
         if self.root is None:
             return frozenset()
         return frozenset(e.text.strip() for e in self.root.children if e.tag.endswith("depend"))
+
+
+def is_kept_aside(file: Path, package: Package | None) -> bool:
+    """Whether a file is in a folder of its package, if it has one, for files that are kept and not used."""
+    if package is None:
+        return False
+    file, top = Path(os.path.abspath(file)), package.path.absolute()
+    folders = file.relative_to(top).parts[:-1] if file.is_relative_to(top) else ()
+    return any(map(is_aside_folder, folders))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -51,13 +51,6 @@ _Subfolders = list[tuple[str, bool]]
 SearchedFolders = dict[str, tuple[str | None, _Subfolders]]
 
 
-def is_kept_aside(file: Path, package: Path) -> bool:
-    """Whether a file of a package is in a folder of files that are kept and not used."""
-    file, package = Path(os.path.abspath(file)), package.absolute()
-    folders = file.relative_to(package).parts[:-1] if file.is_relative_to(package) else ()
-    return any(map(is_aside_folder, folders))
-
-
 def is_aside_folder(name: str) -> bool:
     """Whether a folder of this name holds files that are kept and not used."""
     return name.lower() in _ASIDE_FOLDERS or re.split(r"[\W_]", name.lower())[0] in _ASIDE_WORDS
