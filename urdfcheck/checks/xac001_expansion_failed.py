@@ -761,7 +761,8 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         if beside or path.parent.is_dir()
         else f", nor does its folder{_describe_sibling_folders(failure.source, path)}"
     )
-    no_cause = {"", near} if not beside else {""}
+    # That the folder does not exist says where the path ends, and not why.
+    without_cause = near if not beside else ""
     package = failure.source.finder.find_package_of(Path(os.path.normpath(path.absolute())))
     files = {} if package is None else index_files([package.path])
     elsewhere = find_uninstalled_file(path, package, files)
@@ -795,12 +796,13 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
     if (typed := find_package_address(str(path))) is not None:
         repair, near = f"write `{typed}`", "; xacro does not know package://, which it takes for a folder"
+    is_unexplained = near in ("", without_cause)
     near = near if elsewhere is None else describe_uninstalled_file(elsewhere)
     if elsewhere is not None:
         repair = f"install its folder (CMakeLists.txt or setup.py), or {correction}"
     elif checkout := propose_checkout_around(path, failure.source.finder):
         repair = checkout
-    elif near in no_cause and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
+    elif is_unexplained and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
         repair = f"build {package.name} first, which may make the file; if it does not, {correction}"
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
     if failure.expression:
