@@ -1887,6 +1887,33 @@ def test_an_sdf_model_that_is_loaded_as_such_is_not_checked_and_not_wrong(
 
 
 @pytest.mark.parametrize(
+    ("spawned", "severity"),
+    [
+        ("$(find car)/models/car_4wd/model.sdf", Severity.INFO),
+        ("model://car_4wd/model.sdf", Severity.INFO),
+        ("$(find car)/models/$(arg robot)/model.sdf", Severity.INFO),
+        ("$(find world)/models/table/model.sdf", Severity.ERROR),
+        ("model://table/model.sdf", Severity.ERROR),
+        ("$(find world)/models/$(arg thing)/model.sdf", Severity.ERROR),
+        ("$(find car)/models/car_4wd/model.sdf.xacro", Severity.ERROR),
+    ],
+)
+def test_a_launch_file_that_spawns_another_sdf_model_of_this_name_does_not_read_it(
+    tmp_path: Path, spawned: str, severity: Severity
+) -> None:
+    files = {
+        ".git/HEAD": "",
+        "world/launch/world.launch": f'<launch><node args="-sdf -file {spawned}"/></launch>',
+        "car/package.xml": "<package format='2'><name>car</name></package>",
+        "car/models/car_4wd/model.sdf": "<sdf version='1.6'><model name='car'><link name='l'/></model></sdf>",
+        "car/launch/car.launch": '<launch><param name="robot_description" '
+        'textfile="$(find car)/models/car_4wd/model.sdf"/></launch>',
+    }
+    (finding,) = find(tmp_path, files, "XML002", name="car/launch/car.launch")
+    assert (finding.message_id, finding.severity) == ("format", severity)
+
+
+@pytest.mark.parametrize(
     "numbers", ["0 0 0", "\n0 0 0", "0\n0 0", "0 \n 0 0", "0 0 0 \n", "\n 0 0 0", "0 \t0 0", "0\t 0 0", " 0  0 0 "]
 )
 def test_white_space_between_numbers_is_reported_where_urdfdom_stops_at_it(tmp_path: Path, numbers: str) -> None:

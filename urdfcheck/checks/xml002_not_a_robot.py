@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator
 from dataclasses import replace
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source
+from urdfcheck.source.model_file import names_file
 from urdfcheck.source.model_role import explain_joint_to_elsewhere, makes_another_format, only_defines
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT, is_launch
 from urdfcheck.source.package.finder import Package
@@ -79,13 +82,25 @@ def _find_reader_of_sdf(source: Source) -> str:
     robot_description, on which its package depends; empty if nothing is known to."""
     if source.package is not None and "sdformat_urdf" in source.package.dependencies:
         return "; sdformat_urdf, on which the package depends, reads it"
-    named = re.compile(rf"(?<![\w.-]){re.escape(source.path.name)}(?![\w-])")
     project = find_project_folder(source.path.absolute())
     for path, text in iter_package_texts(project, source.finder.can_open):
         typed = drop_comments(text) if is_launch(path) else ""
-        if _SPAWNS_SDF.search(typed) and named.search(typed):
+        if _SPAWNS_SDF.search(typed) and _may_name(typed, path, source):
             return f"; {path.name} spawns it with -sdf"
     return ""
+
+
+def _may_name(typed: str, launch: Path, source: Source) -> bool:
+    """Whether a launch file may name this model: many are called ``model.sdf``, so its folder or package must be named too, or
+    the launch file must be beside it."""
+    file, package = source.path.absolute(), source.package
+    inside = file.name if package is None else Path(os.path.relpath(file, package.path.absolute())).as_posix()
+    is_address = f"model://{file.parent.name}/{file.name}" in typed  # of Gazebo, which names the folder
+    if not is_address and not names_file(typed, inside, "" if package is None else package.name):
+        return False
+    words = [file.parent.name, *([] if package is None else [package.name])]
+    named = re.compile(rf"(?<![\w.-])(?:{'|'.join(map(re.escape, words))})(?![\w-])")
+    return launch.absolute().parent == file.parent or named.search(typed) is not None
 
 
 def _grade_unnamed(source: Source) -> Severity | None:
