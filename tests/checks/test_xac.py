@@ -1421,6 +1421,73 @@ def test_the_call_that_makes_links_is_named_before_the_rest(tmp_path: Path) -> N
     assert finding.consequences["mujoco"].startswith("refuses the file")
 
 
+@pytest.mark.parametrize(
+    ("around", "message"),
+    [
+        ("", "unprefixed"),
+        ("<xacro:camera/>", "unprefixed"),
+        ("<camera/>", "unprefixed"),  # with its prefix it calls the macro
+        ('<include filename="other.xacro"/>', "unprefixed"),  # what it would bring may call the macro
+        ("none", "unreached"),
+        ('<xacro:if value="false"><xacro:camera/></xacro:if>', "unreached"),
+    ],
+)
+def test_a_robot_lacks_nothing_of_a_call_in_a_macro_that_it_does_not_use(
+    tmp_path: Path, around: str, message: str
+) -> None:
+    call = '<wheel name="a"/>'
+    macro = f'<xacro:macro name="camera" params="">{call}</xacro:macro>'
+    text = WHEEL + (macro + around.removeprefix("none") if around else call)
+    found = xacro(tmp_path, text, {"XAC007"}).findings
+    assert {(f.message_id, f.severity) for f in found} == {
+        (message, Severity.ERROR if message == "unprefixed" else Severity.WARNING)
+    }
+    assert all(("urdfdom" in f.consequences) == (message == "unprefixed") for f in found)
+
+
+@pytest.mark.parametrize(
+    ("root", "launch", "severity"),
+    [
+        ("<robot {}>", "", Severity.WARNING),
+        ("<root {}>", "", Severity.WARNING),
+        ("<root {}>", "parts.urdf.xacro", Severity.ERROR),
+        ('<robot name="car" {}>', "", Severity.ERROR),
+    ],
+)
+def test_a_file_that_makes_no_robot_and_that_nothing_uses_lacks_its_prefix_without_harm(
+    tmp_path: Path, root: str, launch: str, severity: Severity
+) -> None:
+    parts = '<xacro:include filename="lost.xacro"/>' + WHEEL
+    parts += '<xacro:macro name="car" params=""><wheel name="a"/></xacro:macro>'
+    parts += '<link name="base"/>' if "name=" in root else ""
+    tag = root.format('xmlns:xacro="http://www.ros.org/wiki/xacro"')
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/parts.urdf.xacro": f"{tag}{parts}</{root[1:].split()[0]}>",
+        "launch/car.launch": f'<launch><param name="a" value="$(find car)/urdf/{launch}"/></launch>',
+    }
+    found = find_in_folder(write(tmp_path, files) / "urdf/parts.urdf.xacro", {"XAC007"})
+    assert [(f.message_id, f.severity) for f in found if f.code == "XAC007"] == [("halted", severity)]
+
+
+def test_what_a_file_says_of_its_author_is_no_call(tmp_path: Path) -> None:
+    text = (
+        '<author>A</author><license>BSD</license><review status="none"/><include filename="w.xacro"/><wheel name="a"/>'
+    )
+    finding = only(xacro(tmp_path, text, {"XAC007", "XML003"}))
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("as may the calls of their macros: <wheel>")
+
+
+def test_a_property_with_an_empty_name_is_used_nowhere(tmp_path: Path) -> None:
+    text = '<property name="" value="1"/><xacro:property name="b" value="1"/><link name="l${b}"/>'
+    finding = only(xacro(tmp_path, text, {"XAC007"}))
+    assert (finding.message_id, finding.severity) == ("refused", Severity.INFO)
+    assert finding.message.endswith("with the prefix xacro stops: its name is empty (no name)")
+    assert finding.fix is not None
+    assert finding.fix.title == "give it a name, then `<xacro:property …>`, or delete what nothing uses"
+
+
 def test_what_follows_from_a_call_without_its_prefix_is_not_told_again(tmp_path: Path) -> None:
     parts = WHEEL + '<gazebo reference="a"><mu1>1</mu1></gazebo><gazebo reference="b"><mu1>1</mu1></gazebo>'
     light = (

@@ -49,8 +49,8 @@ from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
-from urdfcheck.source.uses_elsewhere import find_used_copy, is_unused
-from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
+from urdfcheck.source.uses_elsewhere import find_used_copy, is_no_robot, is_orphan, is_unused
+from urdfcheck.source.xacro.file_contents import has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     Condition,
@@ -151,8 +151,8 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         if passing is not None:
             told = "repair" if "repair" in report.data else "there"
             report.data[told] += f"; {format_path(passing)} passes one, known only at launch"
-        is_no_robot = _is_no_robot(source) or find_used_copy(source) is not None
-        if is_no_robot and not str(report.data.get("repair", _DELETION)).startswith(_DELETION):
+        is_aside = is_no_robot(source) or find_used_copy(source) is not None
+        if is_aside and not str(report.data.get("repair", _DELETION)).startswith(_DELETION):
             report.data["repair"] = f"{_DELETION} {report.data['repair']}"
         finding = rule.finding(
             report.message,
@@ -167,30 +167,17 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
         is_left_out |= is_kept_aside(source.path, source.package)
         is_left_out |= passing is not None  # where it is started, the model has a value
-        is_left_out |= is_no_robot
+        is_left_out |= is_aside
         is_left_out |= report.message == "environment-unread"  # only here it has no value
         is_left_out |= report.message in _OF_EMPTY_VALUES and bool(remedy) and _is_started_from_outside(source)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
 
 
-def _is_no_robot(source: Source) -> bool:
-    """Whether a file that no other includes makes no robot, and no launch file names it: its <robot> has no name, which every
-    parser requires, or it defines macros and nothing that was read makes a link or a joint."""
-    is_library = defines_macros(source.main_tree) and not any(map(has_parts, source.trees.values()))
-    if source.is_part or not (_is_orphan(source) or (is_library and source.package is not None)):
-        return False
-    return not _is_named_by_launch(source)
-
-
 def _is_started_from_outside(source: Source) -> bool:
     """Whether a model of a package is one that no launch file which must know it starts."""
-    return source.package is not None and not _is_named_by_launch(source)
-
-
-def _is_named_by_launch(source: Source) -> bool:
     from urdfcheck.source.launch.loaded_files import is_named_by_launch  # only what fails asks for it
 
-    return is_named_by_launch(source.path, source.finder)
+    return source.package is not None and not is_named_by_launch(source.path, source.finder)
 
 
 def _find_passing_launch(source: Source, remedy: str) -> Path | None:
@@ -519,15 +506,9 @@ def _read_root(source: Source, place: Path, name: str) -> Element | None:
         return None
 
 
-def _is_orphan(source: Source) -> bool:
-    """Whether a file is a piece of a robot that no file includes: its <robot> has no name."""
-    root = source.main_tree
-    return not source.is_part and root is not None and root.tag == "robot" and not can_have_name(root)
-
-
 def _is_unused(source: Source) -> bool:
     """Whether a file is such a piece, or no file names it where the others of its package name other models."""
-    return _is_orphan(source) or is_unused(source)
+    return is_orphan(source) or is_unused(source)
 
 
 def _describe_include(failure: _ExpansionFailure, files: Sequence[str], otherwise: str, clause: str = "") -> str:
@@ -538,10 +519,10 @@ def _describe_include(failure: _ExpansionFailure, files: Sequence[str], otherwis
     source = failure.source
     robots = [name for name in files if _is_robot(source, name)]
     pieces = [name for name in files if name not in robots]
-    if not _is_orphan(source):
+    if not is_orphan(source):
         pieces = [name for name in pieces if _gets_past_with_included(failure, name)]
     listed = " or ".join(pieces)
-    if _is_orphan(source):
+    if is_orphan(source):
         place = f"in the model, after {listed}" if listed else f"in a model, such as {' or '.join(robots)}"
         return f"{_DELETION} include it {place}"
     repair = f"include {listed}{clause} before this line, or {otherwise}" if listed else otherwise

@@ -21,6 +21,7 @@ from urdfcheck.source.text.problems import find_lacking
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
+from urdfcheck.source.uses_elsewhere import is_no_robot
 from urdfcheck.source.xacro.usage import (
     ANY_TAG,
     collect_lost_tags,
@@ -138,8 +139,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
             consequences=_describe_consequences(source, elements),
         )
-        if finding.severity is Severity.ERROR and is_kept_aside(source.path, source.package):  # no program loads it
-            finding = replace(finding, severity=Severity.WARNING)
+        is_error = finding.severity is Severity.ERROR
+        if is_error and (is_kept_aside(source.path, source.package) or is_no_robot(source)):  # no program loads it
+            finding = replace(finding, severity=Severity.WARNING, blocks_check=source.root is None)
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
 
 
@@ -187,7 +189,7 @@ def _build_refused_finding(
         severity=severity if used else Severity.INFO,
         tag=tag,
         times=format_repetition(len(elements)),
-        names=join_names((element.get("name") for element in elements), 3),
+        names=join_names((element.get("name") or "no name" for element in elements), 3),
         reason=reason,
         remedy=remedy,
         deletion="" if used else ", or delete what nothing uses",
@@ -201,7 +203,7 @@ def _is_used(source: Source, element: Element, computed: str) -> bool:
     if element.tag == "macro":
         return not _is_uncalled(source, element)
     name = element.get("name")
-    return name in computed and re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", computed) is not None
+    return name != "" and name in computed and re.search(rf"(?<![\w.]){re.escape(name)}(?![\w.])", computed) is not None
 
 
 def _read_expressions(source: Source) -> str:
@@ -227,8 +229,19 @@ def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Sev
     if source.root is None:
         return ("dead", Severity.INFO) if is_dead and _has_read_all(source) else ("halted", None)
     if made:
-        return "unprefixed", None
+        return ("unprefixed", None) if _is_reached(source, made) else ("unreached", Severity.WARNING)
     return ("dead", Severity.INFO) if is_dead else ("value", Severity.WARNING)
+
+
+def _is_reached(source: Source, elements: Sequence[Element]) -> bool:
+    """Whether a tag is left in the robot, or would be there if those that are had the prefix: in the macros that they call. What
+    an include would bring is not known."""
+    assert source.root is not None  # only an expanded model has a robot
+    left, places = find_unprefixed_tags(source.trees, source.root), _collect_places(elements)
+    if any(tag.tag == "include" for tag in left) or not places.isdisjoint(_collect_places(left)):
+        return True
+    called = _iter_called_macros(source, [tag.tag for tag in left])
+    return any(not places.isdisjoint(_collect_places(macro.walk())) for macro in called)
 
 
 def _has_read_all(source: Source) -> bool:
@@ -296,17 +309,21 @@ def _sort_by_weight(source: Source, elements: Sequence[Element]) -> list[Element
 
 def _makes_parts(source: Source, call: Element) -> bool:
     """Whether the macro that a tag would call makes links or joints, itself or by those that it calls."""
+    return any(
+        made.tag in {"link", "joint"} for macro in _iter_called_macros(source, [call.tag]) for made in macro.walk()
+    )
+
+
+def _iter_called_macros(source: Source, names: Iterable[str]) -> Iterator[Element]:
+    """Yield the definitions of the macros with these names, and of all that they call, with or without the prefix."""
     macros = collect_macros(source.trees)
-    left, visited = [call.tag], set[str]()
+    left, visited = list(names), set[str]()
     while left:
         macro = macros.get(name := left.pop())
         if macro is not None and name not in visited:
             visited.add(name)
-            tags = {made.tag for made in macro.element.walk()}
-            if not tags.isdisjoint(("link", "joint")):
-                return True
-            left += [tag.removeprefix("xacro:") for tag in tags]
-    return False
+            yield macro.element
+            left += [element.tag.removeprefix("xacro:") for element in macro.element.walk()]
 
 
 def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[str, str]:

@@ -29,7 +29,7 @@ from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
 from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.xacro.file_contents import can_have_name
+from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
     FORWARDED,
@@ -290,6 +290,23 @@ def is_unused(source: Source) -> bool:
     """
     may_be_piece = source.is_part and (source.main_tree is None or not can_have_name(source.main_tree))
     return not may_be_piece and is_named_nowhere(source) and is_certainly_left_aside(source)
+
+
+def is_orphan(source: Source) -> bool:
+    """Whether a file is a piece of a robot that no file includes: its <robot> has no name."""
+    root = source.main_tree
+    return not source.is_part and root is not None and root.tag == "robot" and not can_have_name(root)
+
+
+def is_no_robot(source: Source) -> bool:
+    """Whether a file that no other includes makes no robot, and no launch file names it: its <robot> has no name, which every
+    parser requires, or it defines macros and nothing that was read makes a link or a joint."""
+    is_library = defines_macros(source.main_tree) and not any(map(has_parts, source.trees.values()))
+    if source.is_part or not (is_orphan(source) or (is_library and source.package is not None)):
+        return False
+    from urdfcheck.source.launch.loaded_files import is_named_by_launch  # only what is wrong asks for it
+
+    return not is_named_by_launch(source.path, source.finder)
 
 
 def is_certainly_left_aside(source: Source) -> bool:

@@ -30,6 +30,8 @@ _REQUIRED_BY_TAG: Mapping[str, frozenset[str]] = {
 }
 # Stands for the tags of what a file does not show.
 ANY_TAG = "*"
+# Tags of a package's manifest, with which early models name their authors.
+_MANIFEST_TAGS = frozenset({"author", "description", "license", "maintainer", "review", "url", "version"})
 # Elements of other parsers than URDF's: a tag inside them may mean something else.
 _FOREIGN_TAGS = frozenset({"gazebo", "transmission", "ros2_control", "sensor", "plugin", "mujoco", "cad"})
 
@@ -302,6 +304,8 @@ def explain_refusal(element: Element) -> tuple[str, str] | None:
         return "the name of a macro must not contain a dot", _RENAMING
     if kind != "property":
         return None
+    if not name:
+        return "its name is empty", "give it a name"
     known = _COMPUTED.sub("x", name)
     if not known.isidentifier() or keyword.iskeyword(known) or known.startswith("__"):
         return "the name of a property must be a Python identifier, without `__` before it", _RENAMING
@@ -310,8 +314,11 @@ def explain_refusal(element: Element) -> tuple[str, str] | None:
 
 
 def list_strange_tags(tree: Element) -> list[str]:
-    """Return the tags directly in a root that no parser of robots knows: calls of macros in other files may lack the prefix."""
-    known = _URDF_TAGS | _FOREIGN_TAGS | _REQUIRED_BY_TAG.keys()
+    """Return the tags directly in a root that no parser of robots knows: calls of macros in other files may lack the prefix.
+
+    What a file says of its author and its license, in the tags of a package's manifest, calls nothing.
+    """
+    known = _URDF_TAGS | _FOREIGN_TAGS | _MANIFEST_TAGS | _REQUIRED_BY_TAG.keys()
     return list(dict.fromkeys(e.tag for e in tree.children if ":" not in e.tag and e.tag not in known))
 
 
