@@ -411,6 +411,29 @@ def test_a_missing_file_that_the_build_may_make_is_built_first(tmp_path: Path, b
     assert finding.data["repair"].startswith("build arm first" if build else "correct the path")
 
 
+@pytest.mark.parametrize(
+    ("build", "template", "severity"),
+    [
+        ("", "urdf/plugins.xacro.in", Severity.WARNING),
+        ('set(MADE plugins.xacro)\nfile(DOWNLOAD "${URL}" ${MADE})', "", Severity.WARNING),
+        ("make_model(arm.wrl plugins.xacro)\nadd_custom_target(all ALL)", "", Severity.WARNING),
+        ("install(FILES urdf/plugins.xacro DESTINATION urdf)\nadd_custom_target(all ALL)", "", Severity.ERROR),
+        ("set(FILES urdf/plugins.xacro)\ninstall(FILES ${FILES} DESTINATION urdf)", "", Severity.ERROR),
+    ],
+)
+def test_a_file_that_the_build_makes_is_missing_only_before_it(
+    tmp_path: Path, build: str, template: str, severity: Severity
+) -> None:
+    files = {"package.xml": "<package><name>arm</name></package>", "CMakeLists.txt": build}
+    files |= {template: HEAD + "</robot>"} if template else {}
+    files |= {"urdf/arm.urdf.xacro": HEAD + BASE + '<xacro:include filename="plugins.xacro"/></robot>'}
+    finding = only(check(write(tmp_path, files) / "urdf/arm.urdf.xacro", codes={"XAC001"}))
+    assert (finding.severity, finding.blocks_check) == (severity, True)
+    assert finding.data["repair"].startswith("build arm first, which may make the file")
+    assert ("; the build makes it of " in finding.message) == bool(template)
+    assert "did you mean" not in finding.message
+
+
 def test_missing_yaml_key(tmp_path: Path) -> None:
     (tmp_path / "a.yaml").write_text("a: 1\n", encoding="utf-8")
     text = """<xacro:property name="data" value="${xacro.load_yaml('a.yaml')}"/><link name="${data['b']}"/>"""

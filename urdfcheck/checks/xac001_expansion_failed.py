@@ -22,7 +22,7 @@ from urdfcheck.core.text import (
     format_name_hint,
     join_names,
 )
-from urdfcheck.source.launch.built_files import may_be_built
+from urdfcheck.source.launch.built_files import find_origin, may_be_built
 from urdfcheck.source.load import Source, expand_edited, locate_expression
 from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
@@ -168,6 +168,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_left_out |= is_kept_aside(source.path, source.package)
         is_left_out |= passing is not None  # where it is started, the model has a value
         is_left_out |= is_aside
+        is_left_out |= bool(report.data.get("origin"))  # where the package is built, the file is there
         is_left_out |= report.message == "environment-unread"  # only here it has no value
         is_left_out |= report.message in _OF_EMPTY_VALUES and bool(remedy) and _is_started_from_outside(source)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
@@ -750,6 +751,9 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     read = set(map(os.path.abspath, failure.source.files))
     namesakes = [f for f in files.get(path.name.lower(), []) if f.name == path.name and os.path.abspath(f) not in read]
     correction = _describe_correction(failure, package)
+    origin = None if package is None or elsewhere is not None else find_origin(path, package.path)
+    if origin is not None and origin.name.startswith(path.name):
+        near = f"; the build makes it of {format_path(origin)}"
     if package is not None and elsewhere is None and len(namesakes) == 1:
         place = namesakes[0].relative_to(package.path).as_posix()
         near = f" ({package.name} has a file of this name: {place})"
@@ -783,9 +787,10 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         repair = f"install its folder (CMakeLists.txt or setup.py), or {correction}"
     elif checkout := propose_checkout_around(path, failure.source.finder):
         repair = checkout
-    elif is_unexplained and package is not None and may_be_built(path, package.path, MODEL_SUFFIXES):
+    elif package is not None and (origin or (is_unexplained and may_be_built(path, package.path, MODEL_SUFFIXES))):
         repair = f"build {package.name} first, which may make the file; if it does not, {correction}"
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
+    data["origin"] = "" if origin is None else format_path(origin)
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)

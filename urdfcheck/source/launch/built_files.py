@@ -25,7 +25,10 @@ from urdfcheck.system.files import read_text_or_nothing, walk
 # Limit on the patterns of one .gitignore that are read.
 MAX_PATTERNS = 1_000
 # What a build calls that makes a file out of another.
-_MAKES_FILES = re.compile(r"xacro_add_|add_custom_|execute_process|configure_file|subprocess|os\.system|process_file")
+_MAKES_FILES = re.compile(
+    r"xacro_add_|add_custom_|execute_process|configure_file|subprocess|os\.system|process_file"
+    r"|\b[Ff][Ii][Ll][Ee][ (]\s*(?:DOWNLOAD|WRITE|GENERATE|CONFIGURE)\b"
+)
 
 # What a script or a build writes with xacro: `xacro ${robot}.urdf.xacro > ${robot}.urdf`, `OUTPUT ${CMAKE_BINARY_DIR}/arm.urdf`.
 _WRITTEN = re.compile(
@@ -120,14 +123,25 @@ def find_making_build(paths: Collection[Path], package: Path) -> str:
     """Return the name of the build file of a package that may make files which git ignores: it names each, not only to install
     it, and calls what makes files. Empty if there is none."""
     reach = FileReach.from_paths([package], [])
-    for name in (_CMAKE, "setup.py"):
-        text = read_text_or_nothing(package / name) if reach.can_open(package / name) else ""
-        if name == _CMAKE:
-            text = "\n".join(c.name + " " + " ".join(c.words) for c in parse_commands(text) if c.name != "install")
-        named = all(_compile_made_name(path).search(text) for path in paths) and _MAKES_FILES.search(text)
-        if named and all(is_git_ignored(path, reach) for path in paths):
-            return name
-    return ""
+    if not all(is_git_ignored(path, reach) for path in paths):
+        return ""
+    return next((name for name in (_CMAKE, "setup.py") if _may_make(paths, package / name, reach)), "")
+
+
+def find_origin(path: Path, package: Path) -> Path | None:
+    """Return what a package makes a missing file of: its template, or the CMakeLists.txt that names it, not only to install it,
+    and calls what makes files."""
+    build = package / _CMAKE
+    is_made = _may_make([path], build, FileReach.from_paths([package], []))
+    return find_template(path, package) or (build if is_made else None)
+
+
+def _may_make(paths: Collection[Path], build: Path, reach: FileReach) -> bool:
+    """Whether a build file names all of these files, not only to install them, and calls what makes files."""
+    text = read_text_or_nothing(build) if reach.can_open(build) else ""
+    if build.name == _CMAKE:
+        text = "\n".join(c.name + " " + " ".join(c.words) for c in parse_commands(text) if c.name != "install")
+    return _MAKES_FILES.search(text) is not None and all(_compile_made_name(path).search(text) for path in paths)
 
 
 def _compile_made_name(path: Path) -> re.Pattern[str]:
