@@ -1993,6 +1993,61 @@ def test_a_package_that_depends_on_the_model_starts_it_too(tmp_path: Path, depen
     assert only(check(model, codes={"XAC010"})).severity is severity
 
 
+@pytest.mark.parametrize(("passed", "severity"), [("side", Severity.WARNING), ("size", Severity.ERROR)])
+def test_a_package_that_depends_on_the_model_passes_the_argument_too(
+    tmp_path: Path, passed: str, severity: Severity
+) -> None:
+    files = {
+        ".git/HEAD": "",
+        "car/package.xml": "<package><name>car</name></package>",
+        "car/urdf/car.urdf.xacro": HEAD + '<link name="$(arg side)"/></robot>',
+        "go/package.xml": "<package><name>go</name><run_depend>car</run_depend></package>",
+        "go/go.launch.py": f'launch = include(launch_arguments={{"{passed}": find(), "file": "car.urdf.xacro"}})',
+    }
+    finding = only(check(write(tmp_path, files) / "car/urdf/car.urdf.xacro", codes={"XAC010"}))
+    assert finding.severity is severity
+
+
+@pytest.mark.parametrize(
+    ("file", "passed", "is_passed"),
+    [
+        ('os.path.join(get_package_share_directory("car"), file)', "side", True),
+        ('PathJoinSubstitution([FindPackageShare("car"), "urdf", file])', "side", True),
+        ('os.path.join(get_package_share_directory("car"), file)', "size", False),
+        ('os.path.join(file, "urdf", "bus.urdf.xacro")', "side", False),  # only the folder is of an argument
+        ('"bus.urdf.xacro"', "side", False),
+    ],
+)
+@pytest.mark.parametrize(
+    "call", ['xacro.process_file({}, mappings={{"{}": side}})', 'Command(["xacro ", {}, " {}:=", side])']
+)
+def test_a_python_launch_file_that_starts_any_model_passes_the_argument_to_each(
+    tmp_path: Path, file: str, passed: str, is_passed: bool, call: str
+) -> None:
+    launch = f"""side = LaunchConfiguration("side").perform(context)
+file = LaunchConfiguration("file").perform(context)
+path = {file}
+robot = {call.format("path", passed)}
+"""
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/any.launch.py": launch,
+        "launch/start.launch.xml": '<launch><arg name="file" default="car.urdf.xacro"/></launch>',
+        "urdf/car.urdf.xacro": HEAD + '<link name="$(arg side)"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC010"}))
+    assert finding.severity is (Severity.WARNING if is_passed else Severity.ERROR)
+
+
+def test_a_default_that_reads_its_own_argument_gives_it_no_value(tmp_path: Path) -> None:
+    text = '<xacro:arg name="side" default="$(arg side)"/><link name="$(arg side)"/>'
+    finding = only(xacro(tmp_path, text, {"XAC010"}))
+    assert finding.headline == "the default of argument side reads the argument itself"
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write a default that does not read it, or give a value: `--arg side:=…`")
+    assert not xacro(tmp_path, text, {"XAC010"}, arguments={"side": "left"}).findings
+
+
 def test_the_one_that_is_used_is_first_among_names_that_xacro_refuses(tmp_path: Path) -> None:
     """The one that is used is named first, and the expressions are read once for all of them."""
     text = "".join(f'<property name="a-{number}" value="1"/>' for number in range(2000))
@@ -2271,6 +2326,67 @@ def test_an_empty_default_is_a_value_that_is_to_be_given(
     assert finding.fix is not None
     assert ("a.launch passes one, known only at launch" in finding.fix.title) == ("arm:=" in started)
     assert f"--arg arm:={'one' if 'arg' in read else '…'}" in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("beside", "values"),
+    [(["base2TD.xacro", "base4WD.xacro"], "2TD, 4WD"), (["other.xacro"], None), (["basic_2TD.xacro"], None)],
+)
+def test_an_empty_argument_within_the_name_of_a_file_is_to_be_given(
+    tmp_path: Path, beside: list[str], values: str | None
+) -> None:
+    include = '<xacro:arg name="type" default=""/><xacro:include filename="parts/base$(arg type).xacro"/>'
+    write(tmp_path, {f"parts/{name}": HEAD + "</robot>" for name in beside})
+    finding = only(xacro(tmp_path, include, {"XAC001"}))
+    assert finding.message_id == ("argument-empty" if values else "file-missing")
+    assert finding.fix is not None
+    if values:
+        assert f"known values: {values}" in finding.message
+        assert finding.fix.title.startswith("give a value: `--arg type:=2TD`")
+
+
+@pytest.mark.parametrize("default", ["$(find p)/arms/$(arg arm)/a.yaml", "$(find p)/arms/one/$(arg arm)/a.yaml"])
+def test_an_empty_argument_in_the_default_of_another_is_to_be_given(tmp_path: Path, default: str) -> None:
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "arms/one/a.yaml": "a: 1",
+        "arm.urdf.xacro": f'{HEAD}<xacro:arg name="arm" default=""/><xacro:arg name="sizes" default="{default}"/>'
+        '<xacro:macro name="arm" params="file"><xacro:property name="a" value="${xacro.load_yaml(file)}"/>'
+        '<link name="b${a[1]}"/></xacro:macro><xacro:arm file="$(arg sizes)"/></robot>',
+    }
+    found = check(write(tmp_path, files) / "arm.urdf.xacro", codes={"XAC001"}).findings
+    if "one" in default:
+        assert not any(f.message_id == "file-missing" for f in found)  # arms/one//a.yaml is there
+    else:
+        assert [f.message_id for f in found] == ["argument-empty"]
+
+
+@pytest.mark.parametrize(
+    ("other", "value", "severity"),
+    [
+        ("", "lost", Severity.ERROR),
+        ('<include file="$(find p)/launch/sub.launch"><arg name="kind" value="one"/></include>', "lost", Severity.WARNING),
+        ('<include file="$(find p)/launch/sub.launch"><arg name="x" value="one"/></include>', "lost", Severity.ERROR),
+        ('<param name="robot_description" command="xacro $(find p)/arm.urdf.xacro arm:=one"/>', "lost", Severity.ERROR),
+        ('<param name="robot_description" command="xacro $(find p)/arm.urdf.xacro arm:=one"/>', "", Severity.WARNING),
+    ],
+)  # fmt: skip
+def test_a_default_of_a_launch_file_may_be_one_that_another_replaces(
+    tmp_path: Path, other: str, value: str, severity: Severity
+) -> None:
+    start = '<param name="robot_description" command="xacro $(find p)/arm.urdf.xacro arm:=$(arg kind)"/>'
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "launch/sub.launch": f'<launch><arg name="kind" default="{value}"/>{start}</launch>',
+        "launch/go.launch": f"<launch>{other}</launch>",
+        "arms/one/arm.xacro": HEAD + '<link name="b"/></robot>',
+        "arm.urdf.xacro": f'{HEAD}<xacro:arg name="arm" default="one"/>'
+        '<xacro:include filename="$(find p)/arms/$(arg arm)/arm.xacro"/></robot>',
+    }
+    found = [f for f in check(write(tmp_path, files), codes={"XAC001"}).findings if f.code == "XAC001"]
+    assert [(f.severity, f.blocks_check) for f in found] == [(severity, True)]
+    assert found[0].fix is not None
+    assert ("go.launch passes another" in found[0].fix.title) == (severity is Severity.WARNING)
 
 
 @pytest.mark.parametrize("name", ["M_PI", "PI"])

@@ -40,6 +40,7 @@ from urdfcheck.source.path_arguments import (
     is_name_cut_off,
     list_full_names,
     list_named_values,
+    list_names_between,
     list_other_values,
     list_path_arguments,
     select_guilty,
@@ -147,10 +148,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         failure = _ExpansionFailure(source=source, problem=problem, reason=reason, expression=expression)
         report = _classify_failure(failure)
         remedy = str(report.data.get("remedy", "")) if report.message in _OF_VALUES else ""
-        passing = _find_passing_launch(source, remedy)
-        if passing is not None:
-            told = "repair" if "repair" in report.data else "there"
-            report.data[told] += f"; {format_path(passing)} passes one, known only at launch"
+        passing = _describe_passing_launch(source, remedy)
+        if passing:
+            report.data["repair" if "repair" in report.data else "there"] += passing
         is_aside = is_no_robot(source) or find_used_copy(source) is not None
         if is_aside and not str(report.data.get("repair", _DELETION)).startswith(_DELETION):
             report.data["repair"] = f"{_DELETION} {report.data['repair']}"
@@ -166,7 +166,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_left_out = bool(report.data.get("defining")) and _is_unused(source)
         is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
         is_left_out |= is_kept_aside(source.path, source.package)
-        is_left_out |= passing is not None  # where it is started, the model has a value
+        is_left_out |= passing != ""  # where it is started, the model has a value
         is_left_out |= is_aside
         is_left_out |= bool(report.data.get("origin"))  # where the package is built, the file is there
         is_left_out |= report.message == "environment-unread"  # only here it has no value
@@ -181,16 +181,26 @@ def _is_started_from_outside(source: Source) -> bool:
     return source.package is not None and not is_named_by_launch(source.path, source.finder)
 
 
-def _find_passing_launch(source: Source, remedy: str) -> Path | None:
-    """Return a launch file that passes the arguments of a ``remedy``, whose values only the launch knows; None if one of them was
-    given here, or no launch file passes it."""
+def _describe_passing_launch(source: Source, remedy: str) -> str:
+    """Name a launch file that passes the arguments of a ``remedy``: values that only the launch knows, or one in place of that of
+    another launch file, which was tried here. Empty if there is none, or one of them was given here."""
     names = _OPTION.findall(remedy)
-    if not names or any(name in source.arguments for name in names):
-        return None
-    from urdfcheck.source.launch.loaded_files import find_passing_launch  # only what is missing asks for it
+    if not names:
+        return ""
+    given = {name: source.arguments[name] for name in names if name in source.arguments}
+    # Only what is missing asks for these.
+    from urdfcheck.source.launch.around.passing_files import find_overriding_launch
+    from urdfcheck.source.launch.loaded_files import find_passing_launch
 
-    found = [find_passing_launch(source.path, name, source.finder) for name in names]
-    return None if None in found else found[0]
+    found = [
+        find_overriding_launch(source.path, name, given[name], source.finder)
+        if name in given
+        else find_passing_launch(source.path, name, source.finder)
+        for name in names
+    ]
+    if found[0] is None or None in found:
+        return ""
+    return f"; {format_path(found[0])} passes {'another' if given else 'one, known only at launch'}"
 
 
 def _find_unprefixed_tags(failure: _ExpansionFailure, report: _FailureReport) -> list[str]:
@@ -863,7 +873,16 @@ def _is_relative(failure: _ExpansionFailure) -> bool:
 
 def _read_typed(failure: _ExpansionFailure) -> str:
     """Return the text that failed as it is typed."""
-    span = failure.problem.location.span
+    return _read_text_at(failure, failure.problem.location)
+
+
+def _iter_typed(failure: _ExpansionFailure) -> Iterator[str]:
+    """Yield the text that failed and those of the definitions that it was made of, as they are typed."""
+    return (_read_text_at(failure, place) for place in (failure.problem.location, *failure.problem.related))
+
+
+def _read_text_at(failure: _ExpansionFailure, place: Location) -> str:
+    span = place.span
     file = None if span is None else failure.source.files.get(span.file)
     return "" if span is None or file is None else file.text[span.start : span.end]
 
@@ -922,7 +941,9 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
     empty = [argument for argument in arguments if not argument.value]
     folders = _list_folder_arguments(failure)
     lacks_folder = any(argument.name in folders for argument in empty)
-    is_cut = lacks_folder or is_name_cut_off(path)
+    in_name = {argument.name: _list_left_out(failure, path, argument.name) for argument in empty}
+    is_cut = lacks_folder or is_name_cut_off(path) or any(in_name.values())
+    empty = [argument for argument in empty if in_name[argument.name]] or empty
     if not guilty and (not empty or (path.parent.is_dir() and not is_cut)):
         return None
     told = guilty or empty
@@ -931,7 +952,9 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
         if len(told) > 1
         else list_other_values(source, told[0], missing)
         if guilty
-        else list_full_names(source, path) or (list_named_values(source, told[0]) if lacks_folder else [])
+        else list_full_names(source, path)
+        or in_name[told[0].name]
+        or (list_named_values(source, told[0]) if lacks_folder else [])
     )
     options = " ".join(format_argument_option(argument.name, choices[0] if choices else None) for argument in told)
     is_whole = len(told) == 1 and not choices and Path(told[0].value).name == path.name
@@ -956,11 +979,21 @@ def _explain_argument_of_path(failure: _ExpansionFailure, path: Path) -> _Failur
 def _list_folder_arguments(failure: _ExpansionFailure) -> set[str]:
     """Return the arguments that are the whole name of a folder in the path as typed, ``arms/$(arg arm)/arm.xacro``, or the value
     of a property that is."""
-    text, properties = _read_typed(failure), collect_properties(failure.source.trees)
+    text, properties = "\n".join(_iter_typed(failure)), collect_properties(failure.source.trees)
     names = {name or prop for name, prop in _FOLDER_NAME.findall(text)}
     definitions = (a.owner for name in names for a in properties.get(name, ()) if a.owner is not None)
     values = (definition.get("value").strip() for definition in definitions)
     return names | {match[1] for value in values if (match := ARGUMENT.fullmatch(value))}
+
+
+def _list_left_out(failure: _ExpansionFailure, path: Path, name: str) -> list[str]:
+    """Return what the names of the files beside a missing one have where it reads an argument, ``base$(arg type).xacro``, that is
+    empty."""
+    for text in _iter_typed(failure):
+        before, read, after = text.rpartition("/")[2].strip("\"' ").partition(f"$(arg {name})")
+        if read and before + after == path.name:
+            return list_names_between(failure.source, path, before, after)
+    return []
 
 
 def _list_read_arguments(failure: _ExpansionFailure) -> list[Location]:
@@ -969,9 +1002,8 @@ def _list_read_arguments(failure: _ExpansionFailure) -> list[Location]:
     Their values were given, or passed by a launch file.
     """
     places = (failure.problem.location, *failure.problem.related)
-    declared, files = {place.subject for place in places}, failure.source.files
-    spans = [place.span for place in places if place.span is not None and place.span.file in files]
-    read = ((name, span) for span in spans for name in ARGUMENT.findall(files[span.file].text[span.start : span.end]))
+    declared = {place.subject for place in places}
+    read = ((name, place.span) for place in places for name in ARGUMENT.findall(_read_text_at(failure, place)))
     return [Location(subject, span) for name, span in read if (subject := f"argument[{name}]") not in declared]
 
 

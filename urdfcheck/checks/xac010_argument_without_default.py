@@ -31,10 +31,14 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
+        defaults = [e.attributes["default"] for e in declared if "default" in e.attributes]
+        is_circular = any(_is_within(at.span, default.span) for default in defaults)
+        if is_circular:
+            repair = f"write a default that does not read it, or give a value: `{options}`"
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
         finding = rule.finding(
-            "too-late" if declared else "missing",
+            "circular" if is_circular else "too-late" if declared else "missing",
             at=at,
             related=[*declared, *(r for r in (problem.location, *problem.related) if r.span != at.span)],
             argument=name,

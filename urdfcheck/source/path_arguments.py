@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -103,12 +104,19 @@ def is_name_cut_off(path: Path) -> bool:
 
 def list_full_names(source: Source, path: Path) -> list[str]:
     """Return what the names of the files beside a missing one have before its name, without the files that were read."""
-    if not is_name_cut_off(path) or not source.finder.can_open(path.parent):
+    return list_names_between(source, path, "", path.name) if is_name_cut_off(path) else []
+
+
+def list_names_between(source: Source, path: Path, before: str, after: str) -> list[str]:
+    """Return what the names of the files beside a missing one have between their begin and their end, without the files that
+    were read."""
+    if not source.finder.can_open(path.parent):
         return []
     try:
         beside = sorted(os.listdir(path.parent))
     except OSError:
         return []
     read = {os.path.realpath(file.path) for file in source.files.values()}
-    names = [name.removesuffix(path.name) for name in beside if name.endswith(path.name) and name[0].isalnum()]
-    return [name for name in names if os.path.realpath(path.parent / f"{name}{path.name}") not in read]
+    named = re.compile(rf"{re.escape(before)}([^\W_].*){re.escape(after)}")
+    found = {match[1]: path.parent / name for name in beside if (match := named.fullmatch(name))}
+    return [value for value, file in found.items() if os.path.realpath(file) not in read]

@@ -8,7 +8,12 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core.text import compile_names
-from urdfcheck.source.launch.passed_arguments import MOST_LAUNCHES, iter_launch_files, may_pass_argument
+from urdfcheck.source.launch.passed_arguments import (
+    MOST_LAUNCHES,
+    iter_launch_files,
+    may_pass_argument,
+    passes_to_any_model,
+)
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
 from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
 from urdfcheck.source.package.package_folders import drop_comments
@@ -41,12 +46,16 @@ def is_named_by_launch(path: Path, finder: PackageFinder) -> bool:
 
 
 def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
-    """Return a launch file of the package of a model's file that names it and passes an argument of this name.
+    """Return a launch file of the package of a model's file, or of one that depends on it, that names it and passes an argument
+    of this name.
 
     One that computes the name counts too: ``"arm_" + kind + ".urdf.xacro"`` may be the name of any file that ends so. So does one
-    of another package of the project that starts whichever model it is given, and passes the argument to each.
+    of the project that starts whichever model it is given, and passes the argument to each.
     """
-    found = itertools.chain(_iter_launch_texts(path, finder), _iter_computing_texts(path, finder))
+    launches = list(_iter_package_launches(path, finder, with_dependents=True))
+    named = compile_names((path.name,))
+    naming = (item for item in launches if named.search(item[1]) is not None)
+    found = itertools.chain(naming, (item for item in launches if _may_compute_name(path, item[1])))
     own = next((launch for launch, _ in found if may_pass_argument(launch, name)), None)
     return own or next(_iter_starting_launches(path, name, finder), None)
 
@@ -54,12 +63,13 @@ def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | 
 def _iter_starting_launches(path: Path, name: str, finder: PackageFinder) -> Iterator[Path]:
     """Yield the launch files of the project around a file that start a model of any name with an argument of this name."""
     package = finder.find_package_of(path.absolute())
-    project = finder.find_project_above(path.absolute().parent if package is None else package.path)
-    if project is None or not finder.can_open(project):
+    folder = path.absolute().parent if package is None else package.path
+    project = finder.find_project_above(folder) or folder
+    if not finder.can_open(project):
         return
     starts = re.compile(rf"""xacro\b[^<>\n]*\s['"]?\$\(arg [^()\n]*\)['"]?\s[^<>\n]*(?<![\w.-]){re.escape(name)}:=""")
     for launch in itertools.islice(iter_launch_files(project, finder), MOST_LAUNCHES):
-        if starts.search(_read_text(launch)):
+        if starts.search(_read_text(launch)) or (launch.suffix == ".py" and passes_to_any_model(launch, name, finder)):
             yield launch
 
 
@@ -67,12 +77,6 @@ def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path
     """Yield the launch files of the package of a file that name it, each with its text."""
     named = compile_names((path.name,))
     return ((launch, text) for launch, text in _iter_package_launches(path, finder) if named.search(text))
-
-
-def _iter_computing_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
-    """Yield the launch files of the package of a model's file that compute a name which may be its own, each with its text."""
-    launches = _iter_package_launches(path, finder)
-    return ((launch, text) for launch, text in launches if _may_compute_name(path, text))
 
 
 def _may_compute_name(path: Path, text: str) -> bool:

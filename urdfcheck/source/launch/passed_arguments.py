@@ -44,6 +44,8 @@ ASSIGNMENT = re.compile(r"(?<![\w.:/-])([\w.-]+):=")
 _IN_PACKAGE = re.compile(r"\$\(find ((?:[^()$]|\$\(arg [^()]+\))+)\)/(.+)")
 _ARGUMENT = re.compile(r"\$\(arg [^()]+\)")
 _QUOTED = re.compile(r"['\"]([^'\"\\]+)['\"]")
+# So many names are followed to see whether a text is made of an argument.
+_MOST_STEPS = 20
 # Stands for a piece of text that is only known at launch.
 _UNKNOWN = "\x01"
 
@@ -165,6 +167,16 @@ def leaves_argument_out(launch: Path, name: str, model: str, finder: PackageFind
 def _list_words_behind(description: DescriptionSource) -> list[str]:
     """Return the words of a command that follow the model's path."""
     return list(itertools.dropwhile(lambda word: word != description.file, description.words))[1:]
+
+
+def passes_to_any_model(launch: Path, name: str, finder: PackageFinder) -> bool:
+    """Whether a Python launch file expands whichever model one of its arguments names, with a value for this argument."""
+    try:
+        data = read_regular(launch, MAX_PYTHON)
+        reader = make_reader(launch, data, finder) if b"xacro" in data and name.encode() in data else None
+        return reader is not None and XacroCallReader(reader).passes_to_any(name)
+    except (OSError, ValueError, RecursionError, MemoryError):
+        return False
 
 
 def find_replaced_texts(model: Path, finder: PackageFinder) -> dict[str, Location]:
@@ -353,6 +365,40 @@ class XacroCallReader:
             for call in calls
         )
 
+    def passes_to_any(self, name: str) -> bool:
+        """Whether a command or call expands the model that an argument of the launch file names, with a value for an argument."""
+        calls = [
+            (get_function_name(node), node) for node in self.reader.nodes if isinstance(node, ast.Call) and node.args
+        ]
+        for function, call in calls:
+            if function == "Command":
+                pieces, texts, words = self.split_command(call.args[0])
+                first = next((i for i, text in enumerate(texts) if i and text.strip()), 0)
+                is_passed = any(word.startswith(f"{name}:=") for word in words) and "xacro" in words[0]
+                model = pieces[first] if first else None
+            else:
+                mappings = self.texts.follow_name(find_call_argument(call, 1, "mappings"))
+                keys = (
+                    mappings.keys if function in {"process_file", "process"} and isinstance(mappings, ast.Dict) else []
+                )
+                is_passed = name in [self.texts.evaluate(key) for key in keys if key is not None]
+                model = call.args[0]
+            if is_passed and model is not None and self.reads_argument(_get_last_part(self.texts.follow_name(model))):
+                return True
+        return False
+
+    def reads_argument(self, node: ast.expr | None) -> bool:
+        """Whether a text is made of an argument of the launch file, by at most a few names."""
+        left, steps = [node], 0
+        while left and steps < _MOST_STEPS:
+            steps += 1
+            for inner in () if (followed := self.texts.follow_name(left.pop())) is None else ast.walk(followed):
+                if isinstance(inner, ast.expr) and self.texts.get_argument_name(inner):
+                    return True
+                if isinstance(inner, ast.Name) and self.texts.follow_name(inner) is not inner:
+                    left.append(inner)
+        return False
+
     def is_command_without(self, command: ast.Call, name: str, model: str) -> bool:
         """Whether a command expands a model and passes no argument of a name, and nothing unknown that may be one."""
         _, _, words = self.split_command(command.args[0])
@@ -477,6 +523,17 @@ class XacroCallReader:
             elements = self.texts.list_elements(followed.args[0])
             followed = self.texts.follow_name(elements[-1]) if elements else None
         return followed is not None and self.texts.get_argument_name(followed) in self.declared
+
+
+def _get_last_part(path: ast.expr | None) -> ast.expr | None:
+    """Return what names the file in a path that is joined of parts."""
+    if not isinstance(path, ast.Call) or not path.args:
+        return path
+    if get_function_name(path) == "join":
+        return path.args[-1]
+    parts = path.args[0]
+    is_joined = get_function_name(path) == "PathJoinSubstitution" and isinstance(parts, (ast.List, ast.Tuple))
+    return parts.elts[-1] if is_joined and parts.elts else path
 
 
 def _list_paths(words: Sequence[str]) -> list[str]:

@@ -4,13 +4,15 @@ file does not declare, unless the include passes all that its file has."""
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.launch.launch_file import Launch
+from urdfcheck.source.launch.launch_file import DescriptionSource, Launch
+from urdfcheck.source.launch.model_launches import find_model_launches
 from urdfcheck.source.launch.passed_arguments import iter_launch_files
 from urdfcheck.source.launch.substitutions import may_become
 from urdfcheck.source.package.finder import PackageFinder
@@ -57,6 +59,24 @@ def find_passing_files(launch: Launch, argument: str) -> list[Path]:
     computed there."""
     including = _read_includes(find_project_folder(launch.path), launch.finder)
     return [path for path, file in including.items() if any(argument in i.passed for i in _list_includes(file, launch))]
+
+
+def find_overriding_launch(model: Path, argument: str, value: str, finder: PackageFinder) -> Path | None:
+    """Return a launch file with which a model has another value of an argument than this one, that another launch file gives it:
+    one whose include passes it in place of a default; or for an empty default any that starts the model with a value."""
+    real = os.path.realpath(model)
+    started: list[tuple[Launch, DescriptionSource]] = [
+        (launch, description)
+        for launch in find_model_launches(model, finder)
+        for description in launch.descriptions
+        if description.path is not None and os.path.realpath(description.path) == real
+    ]
+    giving = [(launch, d.words) for launch, d in started if d.arguments.get(argument) == value]
+    handed = re.compile(rf"{re.escape(argument)}:=[\"']?\$\((?:arg|var)\s+([^\s()]+)\s*\)[\"']?")
+    names = [(launch, match[1]) for launch, words in giving for word in words if (match := handed.fullmatch(word))]
+    passing = (path for launch, name in names for path in find_passing_files(launch, name))
+    others = (launch.path for launch, description in started if description.arguments.get(argument))
+    return next(passing, None) or (next(others, None) if giving and not value else None)
 
 
 def find_inheriting_files(launch: Launch, argument: str) -> list[Path]:
