@@ -316,7 +316,7 @@ def explain_refusal(element: Element) -> tuple[str, str] | None:
 def list_strange_tags(tree: Element) -> list[str]:
     """Return the tags directly in a root that no parser of robots knows: calls of macros in other files may lack the prefix.
 
-    What a file says of its author and its license, in the tags of a package's manifest, calls nothing.
+    What a file says about its author and its license, in the tags of a package's manifest, calls nothing.
     """
     known = _URDF_TAGS | _FOREIGN_TAGS | _MANIFEST_TAGS | _REQUIRED_BY_TAG.keys()
     return list(dict.fromkeys(e.tag for e in tree.children if ":" not in e.tag and e.tag not in known))
