@@ -2039,6 +2039,35 @@ robot = {call.format("path", passed)}
     assert finding.severity is (Severity.WARNING if is_passed else Severity.ERROR)
 
 
+@pytest.mark.parametrize(
+    ("include", "handed", "severity"),
+    [
+        ("$(arg extra)", "extra", Severity.WARNING),
+        ("$(arg extra)", "other", Severity.ERROR),
+        ("$(find car)/urdf/$(arg extra).xacro", "extra", Severity.ERROR),  # the argument is no file
+    ],
+)
+def test_a_file_that_a_launch_file_hands_to_a_model_is_its_part(
+    tmp_path: Path, include: str, handed: str, severity: Severity
+) -> None:
+    files = {
+        ".git/HEAD": "",
+        "car/package.xml": "<package><name>car</name></package>",
+        "car/urdf/car.urdf.xacro": f'{HEAD}<xacro:arg name="side" default=""/><xacro:arg name="extra" default=""/>{BASE}'
+        f'<xacro:if value="$(arg side)"><xacro:include filename="{include}"/></xacro:if></robot>',
+        "sim/package.xml": "<package><name>sim</name><run_depend>car</run_depend></package>",
+        "sim/sim.launch.py": f'file = path("sim", "extra.xacro")\ninclude("car.launch.py", ["{handed}:=", file])',
+        "sim/urdf/extra.xacro": HEAD + '<link name="$(arg side)"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "sim/urdf/extra.xacro", codes={"XAC010"}))
+    assert (finding.severity, finding.blocks_check) == (severity, True)
+    assert finding.fix is not None
+    assert (
+        "sim.launch.py only hands the file to a model that includes it ($(arg extra)); else give a value"
+        in (finding.fix.title)
+    ) == (severity is Severity.WARNING)
+
+
 def test_a_default_that_reads_its_own_argument_gives_it_no_value(tmp_path: Path) -> None:
     text = '<xacro:arg name="side" default="$(arg side)"/><link name="$(arg side)"/>'
     finding = only(xacro(tmp_path, text, {"XAC010"}))

@@ -24,19 +24,27 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
         # Both are loaded only if an argument is missing.
-        from urdfcheck.source.launch.loaded_files import find_passing_launch, is_named_by_launch
+        from urdfcheck.source.launch.loaded_files import (
+            describe_handing,
+            find_handing_launch,
+            find_passing_launch,
+            is_named_by_launch,
+        )
         from urdfcheck.source.xacro.argument_values import find_argument_choices
 
         known = {choice.name: choice.existing_values for choice in find_argument_choices(source.path, source.finder)}
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         passing = find_passing_launch(source.path, name, source.finder)
         repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
+        handed = find_handing_launch(source.path, source.finder) if passing is None else None
         defaults = [e.attributes["default"] for e in declared if "default" in e.attributes]
         is_circular = any(_is_within(at.span, default.span) for default in defaults)
         if is_circular:
             repair = f"write a default that does not read it, or give a value: `{options}`"
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
+        if handed is not None:
+            repair = f"{describe_handing(*handed)}; else {repair}"
         finding = rule.finding(
             "circular" if is_circular else "too-late" if declared else "missing",
             at=at,
@@ -51,9 +59,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
         )
-        # Where it is started the model has a value: only here nothing is known of it. And what nothing starts needs none, nor
-        # does a piece of a robot, which the file that includes it gives one.
-        is_error = passing is None and not _is_nameless(source)
+        # Where it is started, or what includes it, the model has a value: only here nothing is known of it. And what nothing starts
+        # needs none, nor does a piece of a robot, which the file that includes it gives one.
+        is_error = passing is None and handed is None and not _is_nameless(source)
         is_error = is_error and not (is_named_nowhere(source) and is_certainly_left_aside(source))
         # A template: no package that must know it shows a start of it without the values, and so no start that fails.
         is_error = is_error and (source.package is None or is_named_by_launch(source.path, source.finder))

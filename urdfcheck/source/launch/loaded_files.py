@@ -5,25 +5,31 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator
+from functools import lru_cache
 from pathlib import Path
 
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import (
+    MOST_FOLDERS,
     MOST_LAUNCHES,
     iter_launch_files,
     may_pass_argument,
     passes_to_any_model,
 )
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON
-from urdfcheck.source.package.finder import PackageFinder, has_dependency_entry
+from urdfcheck.source.package.finder import PackageFinder, format_path, has_dependency_entry
 from urdfcheck.source.package.package_folders import drop_comments
-from urdfcheck.system.files import read_text_or_nothing
+from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.system.files import read_text_or_nothing, walk
 
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
 _MODEL_NAME = re.compile(r"(?<![\w.-])[\w.-]*\.(?:urdf|xacro)\b")
 
 # What is typed of a computed name before the part that is computed: `"arm_" + kind`, `urdf/arm_$(arg kind)`, `f"arm_{kind}"`.
 _BEGIN_OF_NAME = re.compile(r"""(?<![\w.-])([\w.-]+)(?:["']\s*[+,]|\$\(|\{)""")
+
+# An include of a file that an argument names as a whole.
+_INCLUDED = re.compile(r"""<xacro:include\s[^<>]*?filename=["']\$\(arg\s+([\w.-]+)\s*\)["']""")
 
 
 def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> bool:
@@ -58,6 +64,38 @@ def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | 
     found = itertools.chain(naming, (item for item in launches if _may_compute_name(path, item[1])))
     own = next((launch for launch, _ in found if may_pass_argument(launch, name)), None)
     return own or next(_iter_starting_launches(path, name, finder), None)
+
+
+def find_handing_launch(path: Path, finder: PackageFinder) -> tuple[Path, str] | None:
+    """Return a launch file that names a xacro file beside an argument whose value a model of the project includes, and that
+    argument: ``extra_xacro:=…/gazebo.xacro`` of ``<xacro:include filename="$(arg extra_xacro)"/>``. The file is a part there."""
+    named = compile_names((path.name,))
+    naming = [
+        (launch, text)
+        for launch, text in _iter_package_launches(path, finder, with_dependents=True)
+        if named.search(text)
+    ]
+    included = _collect_included_arguments(find_project_folder(path.absolute()), finder) if naming else ()
+    return next(
+        ((launch, name) for launch, _ in naming for name in included if may_pass_argument(launch, name)),
+        None,
+    )
+
+
+def describe_handing(launch: Path, argument: str) -> str:
+    """Say when nothing is to be done about a file that a launch file hands to a model which includes it."""
+    return f"nothing if {format_path(launch)} only hands the file to a model that includes it ($(arg {argument}))"
+
+
+@lru_cache(maxsize=1)  # a run asks for each model of a project that fails
+def _collect_included_arguments(project: Path, finder: PackageFinder) -> tuple[str, ...]:
+    """Return the arguments of which the xacro files of a project include the value, whatever file that is."""
+    found: set[str] = set()
+    for place, names, files in itertools.islice(walk(project), MOST_FOLDERS):
+        names[:] = [name for name in names if not name.startswith(".")]
+        for file in (Path(place, name) for name in files if name.endswith((".xacro", ".urdf"))):
+            found.update(_INCLUDED.findall(read_text_or_nothing(file, MAX_PYTHON)) if finder.can_open(file) else ())
+    return tuple(sorted(found))
 
 
 def _iter_starting_launches(path: Path, name: str, finder: PackageFinder) -> Iterator[Path]:
