@@ -2390,6 +2390,26 @@ def test_an_empty_argument_in_the_default_of_another_is_to_be_given(tmp_path: Pa
         assert [f.message_id for f in found] == ["argument-empty"]
 
 
+@pytest.mark.parametrize("file", ["${kind}_arm.xacro", "small_arm.xacro"])
+def test_a_call_of_the_macros_of_several_files_needs_its_parameters_in_each(tmp_path: Path, file: str) -> None:
+    macro = '<xacro:macro name="arm" params="side{}"><link name="${{side}}"/></xacro:macro></robot>'
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "small_arm.xacro": HEAD + macro.format(""),
+        "large_arm.xacro": HEAD + macro.format(" gripper"),
+        "arm.urdf.xacro": f'{HEAD}<xacro:property name="kind" value="small"/><xacro:include filename="{file}"/>'
+        '<xacro:arm side="left" gripper="g"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "arm.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == (
+        "add gripper to the macro's params; large_arm.xacro of the package defines a macro arm that has it, and the name of the"
+        " file is computed: the call serves both"
+        if "$" in file
+        else "correct or remove the attribute gripper, or add gripper to the macro's params"
+    )
+
+
 @pytest.mark.parametrize(
     ("other", "value", "severity"),
     [

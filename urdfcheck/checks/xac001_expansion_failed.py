@@ -24,7 +24,7 @@ from urdfcheck.core.text import (
 )
 from urdfcheck.source.launch.built_files import find_origin, may_be_built
 from urdfcheck.source.load import Source, expand_edited, locate_expression
-from urdfcheck.source.model_file import compile_includes
+from urdfcheck.source.model_file import compile_includes, may_compute_name
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
 from urdfcheck.source.package.similar_files import (
@@ -64,6 +64,7 @@ from urdfcheck.source.xacro.usage import (
     find_unprefixed_tags,
     iter_elements_by_tag,
     list_condition_arguments,
+    read_macro,
 )
 from urdfcheck.system.files import read_text_or_nothing
 
@@ -656,6 +657,8 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
         return _build_report(
             failure, "parameter-foreign", at=at, macro=failure.macro, name=name, prefix=prefix, owner=owner
         )
+    other = None if macro is None else _find_file_with_parameter(failure.source, macro, name)
+    added = f"add {name} to the macro's params"
     return _build_report(
         failure,
         "parameter-unknown",
@@ -665,8 +668,30 @@ def _explain_unknown_parameter(failure: _ExpansionFailure, match: re.Match[str])
         name=name,
         takes=join_names(parameters) or "none",
         hint=format_name_hint(name, set(parameters) - (set() if call is None else call.attributes.keys())),
-        version=_describe_version(failure, "has it"),
+        repair=f"correct or remove the attribute {name}, or {added}{_describe_version(failure, 'has it')}"
+        if macro is None or other is None
+        else f"{added}; {other.name} of the package defines a macro {macro.name} that has it, and the name of the file is "
+        "computed: the call serves both",
     )
+
+
+def _find_file_with_parameter(source: Source, macro: Macro, name: str) -> Path | None:
+    """Return another file of a macro's package that defines a macro of the same name with this parameter, where an include
+    computes a name that may be its own: the include chooses one of them."""
+    span, read = macro.element.span, {file.path.absolute() for file in source.files.values()}
+    included = [e.get("filename") for e in iter_elements_by_tag(source.trees, "xacro:include")]
+    package = None if span is None else source.finder.find_package_of(source.files[span.file].path.absolute())
+    paths = [] if package is None else [path for paths in index_files([package.path]).values() for path in paths]
+    defined = read_defined_macros(paths, source.finder)
+    for path in paths:
+        is_other = macro.name in defined.get(path.name, ()) and path.absolute() not in read
+        is_other = is_other and any(may_compute_name(typed, path.name) for typed in included)
+        root = _read_root(source, path, path.name) if is_other else None
+        found = () if root is None else root.walk()
+        named = (e for e in found if e.tag == "xacro:macro" and e.get("name").removeprefix("xacro:") == macro.name)
+        if any(name in read_macro(element).parameters for element in named):
+            return path
+    return None
 
 
 def _describe_version(failure: _ExpansionFailure, what: str) -> str:

@@ -59,7 +59,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
             ],
         )
-        # Where it is started, or what includes it, the model has a value: only here nothing is known of it. And what nothing starts
+        # Where it, or what includes it, is started the model has a value: only here nothing is known of it. What nothing starts
         # needs none, nor does a piece of a robot, which the file that includes it gives one.
         is_error = passing is None and handed is None and not _is_nameless(source)
         is_error = is_error and not (is_named_nowhere(source) and is_certainly_left_aside(source))
