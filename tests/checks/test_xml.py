@@ -295,6 +295,62 @@ class TestXML002:
         (tmp_path / name).write_text(text)
         assert len(check(tmp_path, codes={"XML002"}).findings) == count
 
+    @pytest.mark.parametrize(
+        ("name", "is_robot", "count"),
+        [
+            ("room.sdf.xacro", False, 0),
+            ("room.world.xacro", False, 0),
+            ("room.xacro", False, 1),
+            ("room.urdf.xacro", False, 1),
+            ("room.sdf.xacro", True, 1),
+        ],
+    )
+    def test_a_xacro_of_sdf_that_says_so_is_no_robot_unless_it_is_loaded_as_one(
+        self, tmp_path: Path, name: str, is_robot: bool, count: int
+    ) -> None:
+        ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+        (tmp_path / "package.xml").write_text('<package format="2"><name>p</name></package>')
+        (tmp_path / name).write_text(f'<sdf version="1.7" {ns}><world name="room"/></sdf>')
+        if is_robot:
+            param = f'<param name="robot_description" command="xacro $(find p)/{name}"/>'
+            (tmp_path / "a.launch").write_text(f"<launch>{param}</launch>")
+        else:
+            path = f"os.path.join(get_package_share_directory('p'), '{name}')"
+            (tmp_path / "a.launch.py").write_text(f"text = Command(['xacro ', {path}])\n")
+        assert len(check(tmp_path, codes={"XML002"}).findings) == count
+
+    def test_sdf_that_gazebo_finds_by_its_settings_is_an_info(self, tmp_path: Path) -> None:
+        text = '<sdf version="1.7"><model name="car"><link name="base"/></model></sdf>'
+        (alone,) = findings(tmp_path, text, "XML002", "model.urdf")
+        (tmp_path / "model.config").write_text('<model><name>car</name><sdf version="1.6">model.urdf</sdf></model>')
+        (named,) = findings(tmp_path, text, "XML002", "model.urdf")
+        assert (alone.severity, named.severity) == (Severity.ERROR, Severity.INFO)
+        assert alone.fix is not None
+        assert "let its name end in `.sdf`" in alone.fix.title
+
+    @pytest.mark.parametrize(
+        ("inside", "severity"), [("library_kinematics_models", Severity.INFO), ("asset", Severity.ERROR)]
+    )
+    def test_collada_with_a_mechanism_is_a_robot_of_ros_1(
+        self, tmp_path: Path, inside: str, severity: Severity
+    ) -> None:
+        (finding,) = findings(tmp_path, f"<COLLADA><{inside}/></COLLADA>", "XML002")
+        assert finding.severity is severity
+
+    @pytest.mark.parametrize(
+        ("text", "repair"),
+        [
+            ('<urdf><robot name="r"><link name="a"/></robot></urdf>', "delete the <urdf> around <robot>"),
+            ('<sdf><ros2_control name="c" type="system"/></sdf>', "in place of `<sdf>`, also in the end tag"),
+            ('<machine><part name="a"/></machine>', "wrap what is in the file"),
+        ],
+    )
+    def test_the_repair_of_a_wrong_root_keeps_one_robot(self, tmp_path: Path, text: str, repair: str) -> None:
+        (finding,) = findings(tmp_path, text, "XML002")
+        assert finding.message_id == "root"
+        assert finding.fix is not None
+        assert repair in finding.fix.title
+
     def test_nameless_xacro_is_a_warning_however_it_is_found(self, tmp_path: Path) -> None:
         text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")

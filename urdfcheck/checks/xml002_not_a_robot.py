@@ -18,8 +18,15 @@ from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.tokens import build_rename_edits
+from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
+from urdfcheck.system.files import read_text_or_nothing
 
+# The parts that the root element of a robot holds.
+_PARTS = frozenset({"link", "joint", "material", "gazebo", "transmission", "ros2_control"})
+# The files that Gazebo reads of a folder of its models.
+_MODEL_OF_CONFIG = re.compile(r"<sdf\b[^<>]*>\s*([^<>\s]+)\s*</sdf>")
+_LARGEST_CONFIG = 100_000
 _SPAWNS_SDF = re.compile(r"(?<![\w-])-sdf(?![\w-])")
 
 
@@ -39,16 +46,17 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
     if root.tag != "robot":
         # In a xacro, <gazebo> is a block of a robot; the root of old SDF files has the same name.
         is_block = root.tag == "gazebo" and source.is_xacro
-        known = None if is_block else FORMATS_BY_ROOT.get(root.tag)
+        is_named_wrong = root.tag == "sdf" and _holds_parts_of_robots(root)
+        known = None if is_block or is_named_wrong else FORMATS_BY_ROOT.get(root.tag)
         if known is None and source.root is None and source.is_xacro and only_defines(root):
             return  # whatever its root is: a library, which xacro could not expand (XAC001)
         if known is None and source.root is not None and makes_another_format(source, root):
             return
         if known is None:
-            yield rule.finding("root", at=root, tag=root.tag)
+            yield rule.finding("root", at=root, tag=root.tag, repair=_describe_root_repair(root))
         else:
             edits = build_rename_edits([root], "robot", source.files) if root.tag == "Robot" else ()
-            reader = _find_reader_of_sdf(source) if root.tag == "sdf" else ""
+            reader = _find_reader_of_sdf(source) if root.tag == "sdf" else _find_reader_of_collada(root)
             finding = rule.finding(
                 "format",
                 at=root,
@@ -58,9 +66,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 tag=root.tag,
                 format=known,
                 reader=reader,
-                repair="nothing if it is SDF on purpose; urdfcheck checks URDF and xacro files only"
-                if reader
-                else "run urdfcheck on the URDF or xacro file of the robot",
+                repair=_describe_format_repair(source, root, has_reader=bool(reader)),
             )
             # Nothing is wrong with the file, and what it holds is unknown all the same.
             yield replace(finding, blocks_check=True) if reader else finding
@@ -77,9 +83,44 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
 
 
+def _holds_parts_of_robots(root: Element) -> bool:
+    """Whether a root holds nothing but parts of a robot, which it would hold as ``<robot>``."""
+    return bool(root.children) and all(child.tag in _PARTS for child in root.children)
+
+
+def _describe_root_repair(root: Element) -> str:
+    """Say what to do with the root element: the robot may be in it, or it may be the robot's."""
+    if [child.tag for child in root.children] == ["robot"]:
+        return f"delete the <{root.tag}> around <robot>, which then is the root"
+    if _holds_parts_of_robots(root):
+        return f'write `<robot name="…">` in place of `<{root.tag}>`, also in the end tag'
+    return 'wrap what is in the file in `<robot name="…">`, or give the file another name if it is not of a robot'
+
+
+def _describe_format_repair(source: Source, root: Element, *, has_reader: bool) -> str:
+    if has_reader:
+        return f"nothing if it is {root.tag.upper()} on purpose; urdfcheck checks URDF and xacro files only"
+    repair = "run urdfcheck on the URDF or xacro file of the robot"
+    if root.tag == "sdf" and source.path.suffix.lower() == ".urdf":
+        return f"if it is SDF on purpose, let its name end in `.sdf`; else {repair}"
+    return repair
+
+
+def _find_reader_of_collada(root: Element) -> str:
+    """Say what reads a COLLADA file with a mechanism as a robot; empty for a mesh."""
+    has_mechanism = root.tag == "COLLADA" and root.find_child("library_kinematics_models") is not None
+    return " with a mechanism; the parser of ROS 1 hands such a file to collada_parser" if has_mechanism else ""
+
+
 def _find_reader_of_sdf(source: Source) -> str:
-    """Say what reads an SDF model as such: a launch file that names it and spawns it with ``-sdf``, or the parser of SDF for
-    robot_description, on which its package depends; empty if nothing is known to."""
+    """Say what reads an SDF model as such: Gazebo, for which ``model.config`` beside it names it, a launch file that names it and
+    spawns it with ``-sdf``, or the parser of SDF for robot_description, on which its package depends; empty if nothing is known
+    to."""
+    settings = source.path.with_name("model.config")
+    if source.finder.can_open(settings):
+        named = _MODEL_OF_CONFIG.findall(drop_comments(read_text_or_nothing(settings, _LARGEST_CONFIG)))
+        if source.path.name in named:
+            return "; model.config names it as that for Gazebo"
     if source.package is not None and "sdformat_urdf" in source.package.dependencies:
         return "; sdformat_urdf, on which the package depends, reads it"
     project = find_project_folder(source.path.absolute())

@@ -185,7 +185,12 @@ class _UnitAudit:
     def audit_model(self) -> None:
         """Expand a model, check its text, then the robot, then the launch files that lead to it."""
         source = self.source = self.load_source()
-        self.role = find_model_role(source, is_part=self.unit.is_part, is_tentative=self.unit.is_tentative)
+        self.role = find_model_role(
+            source,
+            is_part=self.unit.is_part,
+            is_tentative=self.unit.is_tentative,
+            launches=tuple(map(Path, self.unit.launches)),
+        )
         if self.role.must_be_checked:
             self.report_part(source)
         if self.role != MODEL:

@@ -139,7 +139,8 @@ def load_source(
         root = trees[name] = parse_xml(file)
     except (OSError, XmlError) as error:
         problem = Problem.from_read_error(error, "robot", name)
-        named = _find_naming_launch(path, launches, finder) if problem.message == OUT_OF_REACH else None
+        # The text that names it is at fault, not the model.
+        named = find_naming_launch(path, launches, finder) if problem.message == OUT_OF_REACH else None
         problems.append(problem if named is None else replace(problem, location=named))
     else:
         is_xacro = is_xacro or _is_for_xacro(path, root, file.text, xacro, finder)
@@ -224,9 +225,9 @@ def _is_for_xacro(path: Path, root: Element, text: str, xacro: bool | None, find
     return RESULT_OF_XACRO not in text and find_unbound_prefix(root) is None and is_handed_to_xacro(path, finder)
 
 
-def _find_naming_launch(path: Path, launches: Sequence[Path], finder: PackageFinder) -> Location | None:
-    """Return where a launch file names a model that may not be opened: that text is at fault, not the model's."""
-    from urdfcheck.source.launch.launch_file import load_launch  # nearly every model can be opened
+def find_naming_launch(path: Path, launches: Sequence[Path], finder: PackageFinder) -> Location | None:
+    """Return where a launch file makes a model robot_description."""
+    from urdfcheck.source.launch.launch_file import load_launch  # few models are asked for it
 
     descriptions = (description for launch in launches for description in load_launch(launch, finder).descriptions)
     return next(

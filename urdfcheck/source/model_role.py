@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
+from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, truncate_text
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, find_naming_launch
 from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.xacro.file_contents import (
@@ -31,6 +32,12 @@ _LONGEST_NAME = 60
 _CHOOSING = frozenset({"xacro:if", "xacro:unless", "xacro:property", "xacro:arg"})
 # What completes a robot and names its links or joints.
 _COMPLETING = frozenset({"ros2_control", "gazebo", "transmission"})
+# The formats that xacro also makes, by root element: how their files are named before `.xacro`.
+_NAMES_OF_FORMATS = {
+    "sdf": frozenset({"sdf", "world"}),
+    "mujoco": frozenset({"mjcf", "mujoco"}),
+    "mujocoinclude": frozenset({"mjcf", "mujoco"}),
+}
 # What makes nothing of a robot: the definitions of xacro, which some files have without their prefix, and those of colours.
 _DEFINITIONS = frozenset({"macro", "property", "arg", "material"})
 
@@ -60,11 +67,14 @@ SEMANTIC_DESCRIPTION = ModelRole("library", "describes another robot (SRDF)")
 FRAGMENT = ModelRole("library", "holds only what completes another robot")
 
 
-def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False) -> ModelRole:
+def find_model_role(
+    source: Source, *, is_part: bool, is_tentative: bool = False, launches: Sequence[Path] = ()
+) -> ModelRole:
     """Return what a file is.
 
     ``is_part``: whether another file includes it or may include it; what no file includes is a model, however broken, or a
-    library. ``is_tentative``: whether it is not one if it makes neither link nor joint.
+    library. ``is_tentative``: whether it is not one if it makes neither link nor joint. ``launches``: the launch files that
+    lead to it.
     """
     root = source.root
     if root is None:
@@ -72,7 +82,7 @@ def find_model_role(source: Source, *, is_part: bool, is_tentative: bool = False
     if source.find_problems("prefix"):
         return MODEL
     if root.tag != "robot":
-        return _find_role_of_another_root(source, root, is_part=is_part)
+        return _find_role_of_another_root(source, root, is_part=is_part, launches=launches)
     if not any(child.tag in {"link", "joint"} for child in root.children):
         if not is_part and has_unprefixed_calls(source, root):
             return MODEL
@@ -190,8 +200,12 @@ def _is_fragment(source: Source, root: Element) -> bool:
     )
 
 
-def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool) -> ModelRole:
+def _find_role_of_another_root(source: Source, root: Element, *, is_part: bool, launches: Sequence[Path]) -> ModelRole:
     """Return what a file is whose root is not ``<robot>``: xacro ignores the root of what it includes."""
+    is_as_named = source.is_xacro and _is_named_as_its_format(source, root)
+    # A launch file that makes it robot_description has the wrong file.
+    if is_as_named and find_naming_launch(source.path, launches, source.finder) is None:
+        return ModelRole("library", f"it is {FORMATS_BY_ROOT[root.tag]}, as its name says")
     if not source.is_xacro or root.tag in FORMATS_BY_ROOT:
         return MODEL
     if only_defines(source.main_tree) and all(map(_is_definition, root.children)):
@@ -209,6 +223,12 @@ def makes_another_format(source: Source, root: Element) -> bool:
     has_parts = any(child.tag in {"link", "joint"} for child in root.children)
     is_of_robot = root.tag in _COMPLETING or root.tag.lower() == "robot"
     return source.is_xacro and not (is_of_robot or is_named_urdf or has_parts)
+
+
+def _is_named_as_its_format(source: Source, root: Element) -> bool:
+    """Whether the name of a xacro file says the format that it makes: `room.sdf.xacro`, `room.world.xacro`."""
+    words = source.path.name.lower().split(".")[1:]
+    return "urdf" not in words and not _NAMES_OF_FORMATS.get(root.tag, frozenset()).isdisjoint(words)
 
 
 def only_defines(tree: Element | None) -> bool:
