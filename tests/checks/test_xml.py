@@ -50,6 +50,35 @@ class TestXML001:
         (finding,) = findings(tmp_path, text, "XML001")
         assert (finding.message_id, finding.cause.id if finding.cause else None) == (message, cause)
 
+    def test_an_address_with_a_line_break_is_named_and_not_the_file(self, tmp_path: Path) -> None:
+        address = 'xmlns:xacro="http://www.ros.org/wiki/xacro" xmlns:ctl="http://a.b/\n#ctl"'
+        (finding,) = findings(tmp_path, f'<robot name="r" {address}><link name="a"/></robot>', "XML001", "r.xacro")
+        assert finding.message_id == "address"
+        assert "the prefix 'ctl'" in finding.message
+        assert finding.fix is not None
+        assert "permission" not in finding.fix.title
+        assert set(finding.consequences) == {"xacro"}
+
+    @pytest.mark.parametrize(
+        ("text", "repair"),
+        [
+            ("<robot><-- limit a='1'/ --></robot>", "write `<!--` in place of `<--`"),
+            ("<robot><group><arg></group></robot>", "delete that <arg>, or write its attributes and `/>`"),
+            ("</robot>", "write `<robot>` and its content before it, or delete the file"),
+        ],
+    )
+    def test_the_repair_does_not_lead_to_the_next_mistake(self, tmp_path: Path, text: str, repair: str) -> None:
+        (finding,) = findings(tmp_path, text, "XML001")
+        assert finding.fix is not None
+        assert finding.fix.title == repair
+
+    def test_the_repair_of_a_launch_file_in_latin_1_is_its_encoding(self, tmp_path: Path) -> None:
+        path = tmp_path / "a.launch"
+        path.write_bytes(b'<launch><arg name="a" default="\xf3"/></launch>')
+        (finding,) = check(path, codes={"XML001"}).findings
+        assert finding.fix is not None
+        assert finding.fix.title == "save the file as UTF-8"
+
     @pytest.mark.parametrize("text", ["", "\x1f\0\0"])
     def test_of_a_file_without_xml_nothing_is_said_to_pass(self, tmp_path: Path, text: str) -> None:
         (finding,) = findings(tmp_path, text, "XML001")

@@ -109,6 +109,7 @@ def test_packages_that_are_left_out_are_listed(workspace: Path) -> None:
         ("r.xacro", "@PROJECT_NAME@"),
         ("r.urdf", "<%= name %>"),
         ("r.urdf.xacro", "$(find <your-package>)/x"),
+        ("r.urdf.xacro", "$(find [GENERATED_PACKAGE_NAME])/x"),
     ],
 )
 def test_a_template_is_left_out_unless_it_is_named(workspace: Path, name: str, typed: str) -> None:
@@ -120,7 +121,9 @@ def test_a_template_is_left_out_unless_it_is_named(workspace: Path, name: str, t
     assert reason.startswith("left out as a template, in which ")
 
 
-@pytest.mark.parametrize("typed", ["${{'a': 1}['a']}", "$(arg name)$", "a@b.c", "${x}"])
+@pytest.mark.parametrize(
+    "typed", ["${{'a': 1}['a']}", "$(arg name)$", "a@b.c", "${x}", "${sizes[LEFT_ARM]}", "[ROBOT_NAME]"]
+)
 def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> None:
     text = f'<!-- {{{{ name }}}} --><robot name="{typed}"><link name="a"/></robot>'
     write(workspace, {"r.urdf.xacro": text})
@@ -137,8 +140,9 @@ def test_settings_of_eclipse_are_no_launch_file_of_ros(workspace: Path) -> None:
     assert [path for path, _ in planned("board/car Debug.launch").missing] == ["board/car Debug.launch"]
 
 
-def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path) -> None:
-    text = '<launch><param name="a" value="$(find <your-package>)/b"/></launch>'
+@pytest.mark.parametrize("typed", ['value="$(find <your-package>)/b"', "[URDF_LOAD_ATTRIBUTE]"])
+def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path, typed: str) -> None:
+    text = f'<launch><param name="a" {typed}/></launch>'
     write(workspace, {"a_template.launch": text, "kept.urdf": URDF})
     assert [path for path, _ in planned(".").left_out] == ["a_template.launch"]
     assert not planned(".").launches
@@ -1091,3 +1095,8 @@ def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkey
 )
 def test_a_text_names_a_file_of_its_package_outside_comments(text: str, named: bool) -> None:
     assert names_file(text, "urdf/hand.xacro", "arm") is named
+
+
+def test_settings_in_json_are_no_model(workspace: Path) -> None:
+    write(workspace, {"arm/config.json.urdf": "{}", "arm/robot.urdf": URDF})
+    assert models(".") == ["arm/robot.urdf"]

@@ -17,12 +17,13 @@ from urdfcheck.source.text.xml import SourceFile
 
 _KINDS = (
     *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
-    *("instruction-copied", "xacro-line-break"),
+    *("instruction-copied", "xacro-line-break", "address"),
     "unreadable",
 )
 # urdfdom reads another name than programs that follow the declaration.
 _MISREAD = ("misdeclared", "undecoded")
 _REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
+_REPAIR_OF_ENCODING = "save the file as UTF-8"
 _REPAIR_OF_OTHER = "replace this file by the one that is meant"
 _REPAIR_OF_EMPTY = "write its content, or delete the file"
 _REPAIR_OF_SCRIPT = (
@@ -101,6 +102,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 error=problem.message,
                 repair=repair,
                 unless=_UNLESS_NEEDED if problem.data.get("definition") else "",
+                name=problem.data.get("name", ""),
             )
             # Every program loads the file, and only we do not read it.
             yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_harmless else finding
@@ -156,7 +158,8 @@ def _check_companion_file(
             yield rule.finding("srdf-forgiven", at=at, severity=Severity.WARNING, error=problem.message, repair=repair)
         else:
             is_other = cause in {"git_lfs", "web_page"}
-            repair = _REPAIR_OF_OTHER if is_other else problem.data.get("repair", _REPAIR_OF_COMPANION)
+            otherwise = _REPAIR_OF_ENCODING if problem.kind == "encoding" else _REPAIR_OF_COMPANION
+            repair = _REPAIR_OF_OTHER if is_other else problem.data.get("repair", otherwise)
             yield rule.finding(message, at=at, cause=cause, error=problem.message, repair=repair)
 
 

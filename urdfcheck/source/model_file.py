@@ -52,13 +52,14 @@ _FIRST_TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
 _FOREIGN_ROOTS = frozenset({"sdf", "world", "mujoco", "launch"})
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
-# and "<your-package>" in a value.
+# [URDF_ATTRIBUTE] in place of an attribute or a package, as MoveIt's setup assistant has it, and "<your-package>" in a value.
 _PLACEHOLDERS = (
     ("{{", re.compile(r"(?<!\$)(\{\{\s*[A-Za-z_][\w.]*\s*\}\})")),
     ("{%", re.compile(r"(\{%-?\s*\w+[^%\n]*%\})")),
     ("<%", re.compile(r"(<%=?[^%\n]*%>)")),
     ("$", re.compile(r"(\$(?=\w*[A-Z])[A-Za-z_]\w{3,}\$)")),
     ("@", re.compile(r"(@[A-Z][A-Z0-9_]+@)")),
+    ("[", re.compile(r"(\[[A-Z][A-Z0-9]*_[A-Z0-9_]*\])(?=\s*/?>|\)/)")),
     ('="', re.compile(r"=\"[^\"<>\n]*(<[A-Za-z]\w*(?:[ _.-]\w+)*>)[^\"<>\n]*\"")),
 )
 

@@ -38,8 +38,12 @@ FORMATS_BY_ROOT = {
 
 
 def is_model(path: Path) -> bool:
-    """Whether a file is named like a robot model or a part of one (URDF, xacro), and not like a semantic description."""
-    return path.name.lower().endswith(MODEL_SUFFIXES) and not is_srdf(path)
+    """Whether a file is named like a robot model or a part of one (URDF, xacro), and not like a semantic description.
+
+    ``config.json.urdf`` is the settings with which a program writes URDF, beside those for other formats.
+    """
+    name = path.name.lower()
+    return name.endswith(MODEL_SUFFIXES) and not name.endswith(".json.urdf") and not is_srdf(path)
 
 
 def is_xacro(path: Path) -> bool:

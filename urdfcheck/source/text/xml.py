@@ -50,7 +50,8 @@ _ELSEWHERE = re.compile(r"\b(?:SYSTEM|PUBLIC)\b")
 class XmlError(Exception):
     """The text is not XML that may be read.
 
-    ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large. For
+    ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large | prefix |
+    address. For
     malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype, whether the
     declaration is ``bare``, one that declares nothing itself and whose entities are not used, the ``definition`` that it
     names, and whether it is ``plain``, whose entities are texts; for too-large, ``what`` exceeds the limit (bytes | depth |

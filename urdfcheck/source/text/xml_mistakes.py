@@ -32,6 +32,8 @@ _COMMENT = re.compile(r"<!--(.*?)(?:-->|\Z)", re.DOTALL)
 _PLACEHOLDER = re.compile(r"<([A-Za-z]\w*(?:[ _.-]\w+)*)>([^\n<]*)")
 # A start tag that someone made the beginning of a comment.
 _HALF_COMMENTED = re.compile(r"""<!--([A-Za-z_][\w:.-]*)(?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*\s*>""")
+# What someone typed for the beginning of a comment.
+_HALF_OPENER = re.compile(r"<(?:-{1,2}|!-)(?!-)")
 # An end tag whose slash expat does not accept: outside of the root element no tag may begin so.
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 # The line with which git begins a conflict, and the name of a tag that is followed by what cannot follow it.
@@ -51,6 +53,7 @@ _EMPTY_WITHOUT_ATTRIBUTES = frozenset(
         *("xacro:property", "xacro:arg", "xacro:include", "xacro:insert_block"),
         *("parent", "child", "mass", "inertia", "origin", "axis", "limit", "dynamics", "mimic", "safety_controller"),
         *("box", "cylinder", "sphere", "mesh", "color", "texture"),
+        *("arg", "param", "remap", "env"),
     }
 )
 
@@ -124,7 +127,7 @@ def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMis
     if conflict is not None:
         repair = "keep one of the two sides, and delete the lines `<<<<<<<`, `=======` and `>>>>>>>`"
         return XmlMistake("a merge conflict is not resolved", conflict.start(), conflict.start() + 7, repair)
-    return _describe_tag(text, at)
+    return _describe_tag(text, at, opened)
 
 
 def _describe_text_before_root(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake | None:
@@ -173,7 +176,7 @@ def _describe_ampersand(entity: re.Match[str]) -> XmlMistake:
     return XmlMistake("`&` must begin the name of an entity", start, start + 1, "write `&amp;` for the `&`")
 
 
-def _describe_tag(text: str, at: int) -> XmlMistake | None:
+def _describe_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
     """Return what is wrong inside a tag, or with a ``<`` that does not begin a tag."""
     begin = text.rfind("<", 0, at)
     if begin < 0:
@@ -182,6 +185,11 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
     end = None if inside.strip("/") else _END_TAG.match(text, begin)
     if end is not None:  # after the root element: inside it, expat names the tag that does not fit
         tag = _shorten(end[1])
+        if not opened:
+            message = f"`</{tag}>` closes nothing: no element begins before it"
+            return XmlMistake(
+                message, *end.span(), repair=f"write `<{tag}>` and its content before it, or delete the file"
+            )
         return XmlMistake(f"a second `</{tag}>` closes nothing", *end.span(), repair="delete it")
     shown = "a blank" if here.isspace() else f"`{here}`"
     if inside == "?":
@@ -189,6 +197,10 @@ def _describe_tag(text: str, at: int) -> XmlMistake | None:
             return XmlMistake("`<?` is typed twice", begin, at, "delete the first `<?`")
         message = f"`<?` must be followed by a name such as `xml`, not by {shown}"
         return XmlMistake(message, begin, at + 1, "delete what is between `<?` and the name")
+    comment = _HALF_OPENER.match(text, begin)
+    if comment is not None and _choose_working_repairs(text, at, [("", f"{text[:begin]}<!--{text[comment.end() :]}")]):
+        message = f"`{comment[0]}` begins no comment: `<!--` does"
+        return XmlMistake(message, begin, comment.end(), f"write `<!--` in place of `{comment[0]}`")
     if not inside.strip("/!-"):
         message = f"`<` begins a tag, but {shown} does not begin a name"
         return XmlMistake(
@@ -331,6 +343,8 @@ def _describe_end_tag(text: str, at: int, opened: list[tuple[str, int]]) -> XmlM
     inside = list(itertools.takewhile(lambda element: element[0] != name[0], reversed(opened)))[1:]
     if inside:
         message += f", nor is <{_shorten(inside[0][0])}> of line {inside[0][1]}"
+    elif opened[-1][0] in _EMPTY_WITHOUT_ATTRIBUTES and _is_typed_bare(text, *opened[-1]):
+        return XmlMistake(message, start, end, f"delete that <{inner}>, or write its attributes and `/>`")
     repair = f"write `</{inner}>` where the element ends, or `/>` at the end of its tag if nothing belongs in it"
     if len(opened) > 1 and opened[-2][0] == opened[-1][0] and _is_typed_bare(text, *opened[-1]):
         repair = f"write `</{inner}>` for the <{inner}> of line {line} if it ends that of line {opened[-2][1]}; else close it"

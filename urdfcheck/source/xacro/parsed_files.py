@@ -44,9 +44,21 @@ class ParsedFile:
             try:
                 self._document = build_document(self.source.text, self.tree)
             except expat.ExpatError as error:
-                at = self.source.locate_character(error.lineno, error.offset + 1)
-                raise XmlError("malformed", expat.ErrorString(error.code), at) from error
+                raise _make_namespace_error(self, error) from error
         return copy_document(self._document)
+
+
+def _make_namespace_error(file: ParsedFile, error: expat.ExpatError) -> XmlError:
+    """Return what a reader of namespaces refuses: expat takes a blank for what parts an address from a name."""
+    for element in file.tree.walk():
+        for name, attribute in element.attributes.items():
+            if name.partition(":")[0] == "xmlns" and " " in attribute.value and attribute.span is not None:
+                prefix = name.partition(":")[2]
+                what = f"the prefix {prefix!r}" if prefix else "xmlns"
+                message = f"the address of {what} contains a blank or a line break"
+                return XmlError("address", message, attribute.span, data={"name": name})
+    at = file.source.locate_character(error.lineno, error.offset + 1)
+    return XmlError("malformed", expat.ErrorString(error.code), at)
 
 
 # All that a parsed file is made of: the path, its name in findings, the codec, the declared encoding and the text.
