@@ -783,6 +783,63 @@ def test_a_file_that_a_program_attaches_to_a_robot_is_a_part(
     assert finding.severity == (Severity.INFO if message == "attached" else Severity.ERROR)
 
 
+_GRIPPER = (
+    '<robot name="g"{ns}>{comment}<link name="gripper"/>'
+    '<joint name="j" type="fixed"><parent link="hand"/><child link="gripper"/></joint></robot>'
+)
+
+
+@pytest.mark.parametrize(
+    ("comment", "variable"),
+    [("<!-- set as the JACKAL_URDF_EXTRAS environment variable -->", True), ("<!-- URDF_EXTRAS -->", False)],
+)
+def test_a_file_for_the_variable_of_a_robot_is_a_part(tmp_path: Path, comment: str, variable: bool) -> None:
+    (tmp_path / "package.xml").write_text('<package format="3"><name>car</name></package>', encoding="utf-8")
+    (tmp_path / "arm.urdf").write_text(_GRIPPER.format(ns="", comment=comment), encoding="utf-8")
+    (finding,) = check(tmp_path / "arm.urdf", codes={"KIN002"}).findings
+    assert (finding.message_id, "JACKAL_URDF_EXTRAS" in finding.message) == (
+        ("attached", True) if variable else ("unknown", False)
+    )
+
+
+@pytest.mark.parametrize(("href", "message"), [("arm.in.urdf", "xincluded"), ("my_arm.in.urdf", "unknown")])
+def test_a_file_that_another_includes_by_xinclude_is_a_part(tmp_path: Path, href: str, message: str) -> None:
+    whole = f'<robot name="r" xmlns:xi="http://www.w3.org/2001/XInclude"><xi:include href="{href}"/></robot>'
+    for path, text in {"r.in.urdf": whole, "arm.in.urdf": _GRIPPER.format(ns="", comment="")}.items():
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "arm.in.urdf", codes={"KIN002"}).findings
+    assert finding.message_id == message
+
+
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ('<include file="$(find q)/q.launch"><arg name="extras" value="$(arg e)"/></include>', Severity.WARNING),
+        ('<param name="robot_description" command="xacro $(arg e)"/>', Severity.ERROR),
+        (
+            '<include file="$(find car)/b.launch"><arg name="model" value="$(arg e)"/></include>',
+            Severity.ERROR,
+        ),
+    ],
+)
+def test_a_part_that_is_handed_to_another_package_may_have_its_robot_there(
+    tmp_path: Path, launch: str, severity: Severity
+) -> None:
+    argument = '<arg name="e" default="$(find car)/extras.xacro"/>'
+    load = '<arg name="model"/><param name="robot_description" command="xacro $(arg model)"/>'
+    for path, text in {
+        "package.xml": '<package format="2"><name>car</name></package>',
+        "a.launch": f"<launch>{argument}{launch}</launch>",
+        "b.launch": f"<launch>{load}</launch>",
+        "extras.xacro": _GRIPPER.format(ns=' xmlns:xacro="http://www.ros.org/wiki/xacro"', comment=""),
+    }.items():
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    (finding,) = check(tmp_path / "extras.xacro", codes={"KIN002"}).findings
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert ("gets this file as extras" in finding.fix.title) == (severity is Severity.WARNING)
+
+
 @pytest.mark.parametrize(
     ("params", "name", "calls", "line", "message"),
     [

@@ -12,7 +12,7 @@ from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.repairs.edits import edit_values
-from urdfcheck.model.use.other_programs import find_attaching_program, is_named_in_package
+from urdfcheck.model.use.other_programs import find_attaching_program, find_handing_argument, is_named_in_package
 from urdfcheck.source.load import expand_edited
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.text.xml import Attribute
@@ -31,6 +31,11 @@ _INCLUDED = (
 # Where no other file names the link, its robot is not known: it may be of another repository, or be put together by a program.
 _LEFT_OVER = (
     "no other robot file here names {called}: hand the file to a robot that has {called}, or correct the name; to load it alone, "
+    'add `<link name="{called}"/>` there'
+)
+# Nor is it where a launch file gives the file to one of another package.
+_HANDED_ON = (
+    "nothing if the launch file that gets this file as {argument} adds it to a robot with {called}; to load it alone, "
     'add `<link name="{called}"/>` there'
 )
 
@@ -68,20 +73,25 @@ def _build_fragment_finding(
     is_attached = all(a.owner.tag == "parent" and graph.guess_link("parent", a.value) is None for a in attributes)
     if not (attributes and is_attached) or _has_root(model, graph):
         return None
-    from urdfcheck.model.likeness.whole_models import find_whole_model  # loaded only for such a file
+    from urdfcheck.model.likeness.whole_models import (
+        find_whole_model,
+        find_xincluding_file,
+    )  # loaded only for such a file
 
     whole = find_whole_model(model, unknown.keys())
     program = find_attaching_program(model, unknown) if whole is None else None
-    if whole is None and program is None:
+    including = find_xincluding_file(model) if whole is None and program is None else None
+    user = whole or including
+    if user is None and program is None:
         return None
     finding = rule.finding(
-        "attached" if whole is None else "fragment",
+        "fragment" if whole is not None else "attached" if including is None else "xincluded",
         at=attributes[0],
         related=[a.location for a in attributes[1:10]],
         severity=Severity.INFO,
         robot=spell_breaks(model.robot.get("name")),
         links=join_names(map(spell_breaks, unknown), 3),
-        file=program if whole is None else format_path(whole),
+        file=program if user is None else format_path(user),
     )
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
 
@@ -145,8 +155,11 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         # To hang a robot without a root on one of its own links would close a loop.
         hangs = is_part or (not has_root and not is_child)
         including = find_including_robot(model, called)
+        argument = find_handing_argument(model) if hangs and including is None else ""
         if including is not None:
             file, template = format_path(including), _INCLUDED
+        elif argument:
+            file, template = "", _HANDED_ON
         elif hangs:
             file, template = Path(model.source.name).name, _choose_attachment(model, called)
         else:
@@ -155,11 +168,14 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         # Where neither a package nor a robot that includes the file shows what loads it, it may be for Drake alone.
         is_for_drake = called in _WORLD and not is_child and model.source.package is None and including is None
         template = _OF_DRAKE if is_for_drake else template
-        data["repair"] = template.format(called=data["called"], file=file, naming=_describe_naming(attributes[0]))
+        data["repair"] = template.format(
+            called=data["called"], file=file, naming=_describe_naming(attributes[0]), argument=argument
+        )
         # Without a name no program takes it for a robot: nothing includes it, or the run would not check it by itself.
         is_scrap = is_part and "name" not in model.robot.attributes
         # With one it may be a robot, if anything starts it.
         is_unused = (is_part or template is _ATTACHING) and not is_named_in_package(model)
+        is_unused |= template is _HANDED_ON
         finding = rule.finding(
             "unknown",
             at=attributes[0],

@@ -26,6 +26,8 @@ _ROBOT = re.compile(r"""<robot\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')"
 _ROBOT_FOLDERS = frozenset({"urdf", "xacro", "robots"})
 _JOINT_END = re.compile(r"""<(?:parent|child)\s[^<>]*?\blink\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
 _LINK_NAME = re.compile(r"""<link\s[^<>]*?\bname\s*=\s*(?:"([^"<>]*)"|'([^'<>]*)')""")
+# How the namespace of XInclude ends, of its drafts too.
+_XINCLUDE = '/XInclude"'
 _LINK = re.compile(r"<link[\s>/]")
 _DEFINED_COLOUR = re.compile(
     r"""<material\s+name\s*=\s*["']([^"'<>$]+)["']\s*>\s*<color\s+rgba\s*=\s*["']([^"'<>$]*)["']"""
@@ -81,6 +83,21 @@ def find_including_robot(model: Model, link: str) -> Path | None:
             if own in files and link in spelled:
                 return path
         names = {path.name for path in found}
+    return None
+
+
+def find_xincluding_file(model: Model) -> Path | None:
+    """Return the robot file of the repository that includes this one by XInclude (`xmllint --xinclude`), or None."""
+    own = re.compile(
+        rf"""<\w+:include\s[^<>]*?\bhref\s*=\s*["'](?:[^"'<>]*/)?{re.escape(model.source.path.name)}["']"""
+    )
+    for path in islice(_iter_robot_files(model.source), _MOST_FILES):
+        try:
+            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+        except OSError:
+            continue
+        if _XINCLUDE in text and own.search(COMMENT.sub("", text)):
+            return path
     return None
 
 

@@ -24,6 +24,13 @@ _OTHER_INERTIA = re.compile(r"URDF_USE_INERTIA_FROM_FILE|gazebo|ros_gz|mujoco|py
 _SCAN_FILTER = re.compile(r"laser_filter|scan_filter|scan_to_scan_filter|LaserScan\w*Filter")
 # A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
 _FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
+# The variables by which the robots of Clearpath include a file of their user.
+_EXTRAS = re.compile(r"\b[A-Z][A-Z0-9]*_URDF_EXTRAS\b")
+# An argument of a launch file, where it is declared or handed on; its attributes; what reads one; and what loads a robot.
+_ARGUMENT = re.compile(r"<arg\b[^<>]*>")
+_ATTRIBUTES = re.compile(r"(\w+)\s*=\s*\"([^\"]*)\"")
+_HANDED = re.compile(r"\$\(arg (\w+)\)")
+_LOADING = re.compile(r"\b(?:command|textfile)\s*=\s*\"([^\"]*)\"")
 
 
 def is_named_in_package(model: Model) -> bool:
@@ -34,13 +41,43 @@ def is_named_in_package(model: Model) -> bool:
 
 def find_attaching_program(model: Model, links: Iterable[str]) -> str | None:
     """Return the program to which a file of the model's package, or of one that depends on it, hands the model's own file with
-    the names of these links: one for fragments, which it attaches to a robot that runs. None if there is none."""
-    names = [compile_names((name,)) for name in (model.source.path.name, *links)]
-    for text in list_project_texts(model):
+    the names of these links: one for fragments, which it attaches to a robot that runs. So does the variable of a robot that its
+    comments name, or that such a file sets to it. None if there is none."""
+    source = model.source
+    file = source.files.get(source.name)
+    own = compile_names((source.path.name,))
+    texts = [text for text in list_project_texts(model) if own.search(text)]
+    for text in (*(comment.text for comment in (() if file is None else file.comments)), *texts):
+        variable = _EXTRAS.search(text)
+        if variable is not None:
+            return variable[0]
+    names = [compile_names((name,)) for name in links]
+    for text in texts:
         program = _FRAGMENT_PROGRAM.search(text)
         if program is not None and all(name.search(text) for name in names):
             return program[0]
     return None
+
+
+def find_handing_argument(model: Model) -> str:
+    """Return the argument with which the launch files that name the model's own file hand it to another launch file; empty if
+    another text names it, or one here loads what it is given so."""
+    own = compile_names((model.source.path.name,))
+    texts = list_project_texts(model)
+    loaded = {name for text in texts for command in _LOADING.findall(text) for name in _HANDED.findall(command)}
+    found = ""
+    for text in (text for text in texts if own.search(text)):
+        arguments = [dict(_ATTRIBUTES.findall(tag)) for tag in _ARGUMENT.findall(text)]
+        naming = [a for a in arguments if own.search(a.get("default", "") + " " + a.get("value", ""))]
+        declared = {a.get("name", "") for a in naming if "default" in a}
+        handed = [a for a in arguments if "value" in a and (a in naming or set(_HANDED.findall(a["value"])) & declared)]
+        uses = sum(name in declared for name in _HANDED.findall(text))
+        if not handed or len(naming) < len(own.findall(text)) or uses > len(handed):
+            return ""
+        if not loaded.isdisjoint({a.get("name", "") for a in handed} | declared):
+            return ""
+        found = found or handed[0].get("name", "")
+    return found
 
 
 def names_unitless_program(model: Model) -> bool:
