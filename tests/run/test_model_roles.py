@@ -206,6 +206,26 @@ def test_a_macro_that_a_model_forgets_to_call_leaves_a_library_but_an_idle_condi
     assert list_errors(check(Path("idle.urdf.xacro"))) == [("KIN007", "idle.urdf.xacro")]
 
 
+def test_what_webots_reads_is_no_robot_without_links(package: Path) -> None:
+    write(package, {"a.urdf": '<robot name="r"><webots><plugin type="p.q"/></webots></robot>'})
+    assert not check(package, codes={"KIN007"}).findings
+
+
+@pytest.mark.parametrize(("tool", "count"), [("", 0), (' default="-"', 1)])
+def test_a_call_with_an_unknown_argument_is_left_out_if_it_makes_no_link(package: Path, tool: str, count: int) -> None:
+    """Another launch file makes a robot of the file: what the first one makes is not known."""
+    arguments = '<xacro:arg name="TOOL" default="-"/><xacro:arg name="ARM" default="-"/>'
+    arm = "<xacro:if value=\"${'$(arg {})' != '-'}\"><link name=\"{}\"/></xacro:if>"
+    load = '<param name="robot_description" command="xacro $(find car)/r.urdf.xacro {}"/>'
+    files = {
+        "r.urdf.xacro": xacro(arguments + "".join(arm.replace("{}", name) for name in ("TOOL", "ARM"))),
+        "tool.launch": f'<launch><arg name="tool"{tool}/>{load.format("SIM:=0 TOOL:=$(arg tool)")}</launch>',
+        "arm.launch": f"<launch>{load.format('ARM:=kuka')}</launch>",
+    }
+    write(package, files)
+    assert len(check(package, codes={"KIN007"}).findings) == count
+
+
 def test_what_completes_another_robot_is_no_robot_without_links(package: Path) -> None:
     control = '<ros2_control name="c" type="system"><joint name="j"/></ros2_control>'
     write(package, {"control.xacro": xacro(f'<xacro:macro name="control">{control}</xacro:macro>', "")})

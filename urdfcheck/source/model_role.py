@@ -30,8 +30,8 @@ _SEMANTIC = frozenset({"group", "group_state", "virtual_joint", "passive_joint",
 _LONGEST_NAME = 60
 # What chooses which files are included.
 _CHOOSING = frozenset({"xacro:if", "xacro:unless", "xacro:property", "xacro:arg"})
-# What completes a robot and names its links or joints.
-_COMPLETING = frozenset({"ros2_control", "gazebo", "transmission"})
+# What completes a robot and names its links or joints, or the devices of one that is in a world of Webots.
+_COMPLETING = frozenset({"ros2_control", "gazebo", "transmission", "webots"})
 # The formats that xacro also makes, by root element: how their files are named before `.xacro`.
 _NAMES_OF_FORMATS = {
     "sdf": frozenset({"sdf", "world"}),

@@ -64,28 +64,31 @@ def propose_other_environments(units: Sequence[Unit], reports: Mapping[int, Unit
 
 
 def leave_out_unknown_calls(audited_units: Sequence[tuple[Unit, UnitReport]]) -> list[tuple[Unit, UnitReport]]:
-    """Leave out models that cannot be expanded with what is known of their arguments, where others are made of their files.
+    """Leave out models that make no robot with what is known of their arguments, where others are made of their files.
 
-    The launch file sets further arguments, to values that are only known at launch: with their defaults it makes no robot.
+    The launch file sets further arguments, to values that are only known at launch: with their defaults the model cannot be
+    expanded, or has no link.
     """
-    checked = {unit.path for unit, report in audited_units if _is_checked(report)}
+    made = {unit.path for unit, report in audited_units if _makes_robot(report)}
     return [
         (unit, _reduce_to_skip(unit, report))
-        if unit.unknown_arguments and report.info is not None and not _is_checked(report) and unit.path in checked
+        if unit.unknown_arguments and report.info is not None and not _makes_robot(report) and unit.path in made
         else (unit, report)
         for unit, report in audited_units
     ]
 
 
-def _is_checked(report: UnitReport) -> bool:
-    return report.info is not None and report.info.status == "checked"
+def _makes_robot(report: UnitReport) -> bool:
+    return report.info is not None and report.info.status == "checked" and report.info.links > 0
 
 
 def _reduce_to_skip(unit: Unit, report: UnitReport) -> UnitReport:
     """Return the report on the launch files alone, with the reason why the model was not checked."""
     names = join_names(sorted(unit.unknown_arguments))
-    reason = f"cannot be expanded with the default of {names}: the launch file sets it to a value that is only known at launch"
-    findings = tuple(finding for finding in report.findings if not finding.blocks_check)
+    is_expanded = report.info is not None and report.info.status == "checked"
+    what = "has no link" if is_expanded else "cannot be expanded"
+    reason = f"{what} with the default of {names}: the launch file sets it to a value that is only known at launch"
+    findings = tuple(f for f in report.findings if not f.blocks_check and f.code != "KIN007")
     return replace(report, info=None, findings=findings, skipped=(SkippedCheck("ALL", unit.id, reason),))
 
 
