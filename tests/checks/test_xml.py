@@ -1117,6 +1117,44 @@ class TestXML004:
         assert "`colour`, `weight`" in finding.message
 
 
+@pytest.mark.parametrize(("typed", "severity"), [("<density value='567'/>", Severity.WARNING), ("", Severity.ERROR)])
+def test_an_inertial_for_isaac_gym_is_not_to_be_deleted(tmp_path: Path, typed: str, severity: Severity) -> None:
+    shape = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    text = f'<robot name="r"><link name="a">{shape}<inertial>{typed}</inertial></link></robot>'
+    (finding,) = findings(tmp_path, text, "XML005")
+    assert finding.severity is severity
+    assert finding.fix is not None
+    assert ("delete" in finding.fix.title) == (not typed)
+
+
+def test_the_block_that_a_call_must_hand_over_is_not_to_be_deleted(tmp_path: Path) -> None:
+    shape = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
+    macro = (
+        f'<xacro:macro name="m" params="*v"><link name="a"><xacro:insert_block name="v"/>{shape}</link></xacro:macro>'
+    )
+    ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    text = f'<robot name="r" {ns}>{macro}<xacro:m><visual/></xacro:m></robot>'
+    (finding,) = findings(tmp_path, text, "XML005", "r.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title == "add <geometry> to the block that the call hands over"
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "is_equal"),
+    [("${s == 1}", "${s == 1}", True), ("${s == 1}", "${s != 2}", False)],
+)
+def test_of_two_shapes_under_equal_conditions_none_is_left_over(
+    tmp_path: Path, first: str, second: str, is_equal: bool
+) -> None:
+    shapes = f'<xacro:if value="{first}"><box size="1 1 1"/></xacro:if><xacro:if value="{second}"><sphere radius="1"/></xacro:if>'
+    ns = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    visual = f'<xacro:property name="s" value="1"/><link name="a"><visual><geometry>{shapes}</geometry></visual></link>'
+    (finding,) = findings(tmp_path, f'<robot name="r" {ns}>{visual}</robot>', "XML006", "r.xacro")
+    assert finding.fix is not None
+    assert ("correct the conditions" in finding.fix.title) == is_equal
+    assert ("delete" in finding.fix.title) != is_equal
+
+
 class TestXML006:
     @pytest.mark.parametrize(
         ("first", "second", "line"),

@@ -18,7 +18,7 @@ from urdfcheck.source.text.grammar import (
 )
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import ANY_TAG, collect_lost_tags
+from urdfcheck.source.xacro.usage import ANY_TAG, collect_lost_tags, is_inserted
 
 # Other rules check a limit's effort and velocity, a joint's type and a safety controller's k_velocity.
 _CHILDREN = {
@@ -77,10 +77,10 @@ def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Find
             "child",
             at=element,
             consequences=_describe_consequences(element, *missing),
-            severity=Severity.WARNING if _is_placeholder(element) else None,
+            severity=Severity.WARNING if _is_placeholder(element) or _has_density(element) else None,
             tag=element.tag,
             missing=" and no ".join(tags),
-            added=_describe_addition(element, tags),
+            repair=_describe_repair(model, element, _describe_addition(element, tags)),
             owner=_describe_owner(element),
         )
 
@@ -90,6 +90,21 @@ def _is_placeholder(element: Element) -> bool:
     if element.tag not in _SHAPED or element.parent is None:
         return False
     return not any(shape.children or shape.attributes for shape in element.parent.children if shape.tag in _SHAPED)
+
+
+def _has_density(element: Element) -> bool:
+    """Whether an inertial says the density, of which Isaac Gym computes the rest."""
+    return element.tag == "inertial" and element.find_child("density") is not None
+
+
+def _describe_repair(model: Model, element: Element, added: str) -> str:
+    """Say how what is missing comes in; the block that a call must hand over cannot be deleted."""
+    if _has_density(element):
+        return f"add {added}, for programs that do not read <density> as Isaac Gym does"
+    parent = element.parent
+    if parent is not None and model.source.is_xacro and is_inserted(model.source.trees, parent, element):
+        return f"add {added} to the block that the call hands over"
+    return f"add {added}, or delete the <{element.tag}> if it is left over"
 
 
 def _describe_addition(element: Element, tags: Sequence[str]) -> str:

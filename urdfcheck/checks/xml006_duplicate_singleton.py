@@ -18,14 +18,18 @@ from urdfcheck.source.text.grammar import (
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import find_typed
+from urdfcheck.source.xacro.usage import find_typed, is_inserted
 
 # MuJoCo ignores these, and does not reject two of them.
 _UNSEEN_BY_MUJOCO = frozenset({"safety_controller", "calibration", "texture"})
+_OF_SHAPES = (
+    "delete what is left over; if all are meant, give each its own visual (or collision), with an origin that suits it"
+)
 _OF_PARTS = (
     "delete what is left over; if each is the mass of another part of the link, write one <inertial> for all of them, "
     "or give each part its own link at a fixed joint"
 )
+_CONDITIONS = frozenset({"xacro:if", "xacro:unless"})
 # Longer values are not shown whole.
 _LONGEST = 60
 # What every program takes for an attribute that is left out.
@@ -51,7 +55,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
     removed = [one for one in same if one is not kept] if message == "empty" or identical else []
-    inserted = [model.source.is_xacro and _is_inserted(model, element, one) for one in same]
+    inserted = [model.source.is_xacro and is_inserted(model.source.trees, element, one) for one in same]
     edits = [edit for other in removed for edit in build_removal_edits(other, model.source.files)]
     # A call must have its block, and what is typed once cannot lose one of two.
     is_certain = len(edits) == len(same) - 1 and not any(inserted) and len({one.span for one in same}) == len(same)
@@ -71,17 +75,42 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         first=_describe_first(first, is_inserted=inserted[0]),
         count="two" if len(same) == 2 else str(len(same)),
         listed=join_names(f"<{shape.tag}>" for shape in same),
-        repair="delete what is left over; if both are meant, give each its own " + element.tag
-        if second.tag == "geometry"
-        else f"delete the first <{second.tag}>: programs read nothing of what it holds"
-        if not _is_read(first)
-        else "merge them, for each has what the others lack, or delete what is left over"
-        if _can_merge(same)
-        else _OF_PARTS
-        if second.tag == "inertial"
-        else f"delete the wrong <{second.tag}>"
-        + (", or put it under the condition that it is meant for" if model.source.is_xacro else ""),
+        repair=_describe_repair(model, element, same),
     )
+
+
+def _describe_repair(model: Model, element: Element, same: list[Element]) -> str:
+    """Say which of the elements to keep; where only a condition is wrong, none is left over."""
+    first, second = same[0], same[1]
+    of_conditions = _describe_equal_conditions(model, same)
+    if of_conditions:
+        return of_conditions
+    if element.tag == "geometry":
+        return _OF_SHAPES
+    if second.tag == "geometry":
+        return f"delete what is left over; if both are meant, give each its own {element.tag}"
+    if not _is_read(first):
+        return f"delete the first <{second.tag}>: programs read nothing of what it holds"
+    if _can_merge(same):
+        return "merge them, for each has what the others lack, or delete what is left over"
+    if second.tag == "inertial":
+        return _OF_PARTS
+    condition = ", or put it under the condition that it is meant for" if model.source.is_xacro else ""
+    return f"delete the wrong <{second.tag}>{condition}"
+
+
+def _describe_equal_conditions(model: Model, same: list[Element]) -> str:
+    """Say to correct a condition where each of the elements is under its own and all say the same: one was to exclude another."""
+    if not model.source.is_xacro:
+        return ""
+    typed = [find_typed(model.source.trees, one) for one in same]
+    around = [None if one is None else one.parent for one in typed]
+    conditions = [one for one in around if one is not None and one.tag in _CONDITIONS]
+    said = {(one.tag, one.get("value")) for one in conditions}
+    if len({one.span for one in conditions}) < len(same) or len(said) > 1:
+        return ""
+    shown = truncate_text(conditions[0].get("value"), _LONGEST)
+    return f"correct the conditions: {'both' if len(same) == 2 else 'all'} are `{shown}`, so that none excludes another"
 
 
 def _can_merge(same: list[Element]) -> bool:
@@ -96,15 +125,6 @@ def _describe_first(first: Element, *, is_inserted: bool) -> str:
     told = [truncate_text(values, _LONGEST)] if values else []
     told += ["a block that a call hands over"] if is_inserted else []
     return f" ({', '.join(told)})" if told else ""
-
-
-def _is_inserted(model: Model, parent: Element, child: Element) -> bool:
-    """Whether ``<xacro:insert_block>`` brings an element into its parent: it is typed neither there nor in a macro that is called
-    there."""
-    typed = find_typed(model.source.trees, parent)
-    if child.span is None or (typed is not None and any(child.span == each.span for each in typed.walk())):
-        return False
-    return child.via[: len(parent.via)] != parent.via or len(child.via) == len(parent.via)
 
 
 def _locate_insertion(model: Model, parent: Element, inserted: Element) -> Location | None:

@@ -132,6 +132,15 @@ def find_typed(trees: Mapping[str, Element], element: Element) -> Element | None
     return None if tree is None else _index_by_span(tree).get(element.span)
 
 
+def is_inserted(trees: Mapping[str, Element], parent: Element, child: Element) -> bool:
+    """Whether ``<xacro:insert_block>`` brings an element of the robot into its parent: it is typed neither there nor in a macro
+    that is called there."""
+    typed = find_typed(trees, parent)
+    if child.span is None or (typed is not None and any(child.span == each.span for each in typed.walk())):
+        return False
+    return child.via[: len(parent.via)] != parent.via or len(child.via) == len(parent.via)
+
+
 @tree_fact
 def _index_by_span(tree: Element) -> dict[Span | None, Element]:
     return {element.span: element for element in tree.walk()}
