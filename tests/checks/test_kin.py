@@ -1098,3 +1098,15 @@ def test_the_nearest_file_with_the_missing_link_is_said_to_complete_a_robot(tmp_
     (finding,) = find(tmp_path, files, "KIN002", name="cell/corner.urdf")
     assert finding.fix is not None
     assert "setup.urdf, which has stand, completes this one" in finding.fix.title
+
+
+@pytest.mark.parametrize(("mass", "severity"), [("0", Severity.INFO), ("2", Severity.WARNING)])
+def test_a_model_without_any_mass_has_none_to_lose(tmp_path: Path, mass: str, severity: Severity) -> None:
+    zeros = '<inertia ixx="{0}" ixy="0" ixz="0" iyy="{0}" iyz="0" izz="{0}"/>'
+    links = "".join(
+        f'<link name="{name}"><inertial><mass value="{value}"/>{zeros.format(value)}</inertial></link>'
+        for name, value in (("base", "0"), ("x", mass))
+    )
+    joint = '<joint name="j" type="continuous"><parent link="base"/><child link="x"/><axis xyz="1 0 0"/></joint>'
+    (finding,) = check_text(tmp_path, f'<robot name="r">{links}{joint}</robot>', codes={"KIN010"}).findings
+    assert (finding.message_id, finding.severity) == ("vanishes", severity)

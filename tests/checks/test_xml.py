@@ -380,6 +380,20 @@ class TestXML002:
         assert finding.fix is not None
         assert repair in finding.fix.title
 
+    @pytest.mark.parametrize(("named", "severity"), [("car.xacro", Severity.WARNING), ("other.xacro", Severity.INFO)])
+    def test_a_nameless_xacro_that_its_package_does_not_name_is_a_part_for_others(
+        self, tmp_path: Path, named: str, severity: Severity
+    ) -> None:
+        files = {
+            "package.xml": '<package format="2"><name>p</name></package>',
+            "car.xacro": '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>',
+            "a.launch": f'<launch><param name="p" value="$(find p)/{named}"/></launch>',
+        }
+        for name, text in files.items():
+            (tmp_path / name).write_text(text)
+        (finding,) = check(tmp_path, codes={"XML002"}).findings
+        assert finding.severity is severity
+
     def test_nameless_xacro_is_a_warning_however_it_is_found(self, tmp_path: Path) -> None:
         text = '<robot xmlns:xacro="http://www.ros.org/wiki/xacro"><link name="a"/></robot>'
         (named,) = findings(tmp_path, text, "XML002", "robot.urdf.xacro")
@@ -398,6 +412,13 @@ class TestXML002:
 
 
 class TestXML003:
+    def test_an_element_of_several_shapes_is_moved_into_what_is_around_it(self, tmp_path: Path) -> None:
+        box = '<geometry><box size="1 1 1"/><origin xyz="0 0 1"/></geometry>'
+        shapes = f"<visual>{box}</visual><collision>{box}</collision>"
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shapes}</link></robot>', "XML003")
+        assert finding.fix is not None
+        assert finding.fix.title.startswith("move it into the <visual> or <collision> around it")
+
     @pytest.mark.parametrize(("beside", "repaired"), [("", True), ('<dynamics damping="1"/>', False)])
     def test_is_not_renamed_to_an_element_that_exists_beside_it(
         self, tmp_path: Path, beside: str, repaired: bool

@@ -43,7 +43,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     head, links = next(iter(bodies.items()))
     attached = {joint.name for link in links for joint in model.tree.child_joints[link.name] if joint.type != "fixed"}
     is_static = len(bodies) == 1 and links[0].inertial is not None and links[0].inertial.mass == 0
-    is_note = (is_static and not any(j.is_movable for j in model.joints)) or is_left_out_of_gazebo(model)
+    is_bare = not any(declared.mass for declared in model.masses)  # no body is lost that a simulator would move
+    is_still = is_static and not any(j.is_movable for j in model.joints)
+    is_note = is_still or is_bare or is_left_out_of_gazebo(model)
     root_mass = sum(link.inertial.mass or 0.0 for link in links if link.inertial is not None)
     yield rule.finding(
         "tiny" if root_mass > 0.0 else "vanishes",

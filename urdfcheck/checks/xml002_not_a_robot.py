@@ -19,7 +19,7 @@ from urdfcheck.source.package.package_folders import drop_comments, iter_package
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside
+from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside, is_named_nowhere
 from urdfcheck.system.files import read_text_or_nothing
 
 # The parts that the root element of a robot holds.
@@ -145,11 +145,12 @@ def _may_name(typed: str, launch: Path, source: Source) -> bool:
 
 
 def _grade_unnamed(source: Source) -> Severity | None:
-    """Return the severity of a robot without a name; a xacro beside those that files of the package name is a kept part."""
+    """Return the severity of a robot without a name; a xacro that no file of its package names is a part, kept or for robots of
+    other packages, such as the `vehicle.xacro` that Autoware includes by the name of a package."""
     if not source.is_xacro:
         return None
-    is_kept = is_certainly_left_aside(source) or find_deploying_script(source) is not None
-    return Severity.INFO if is_kept else Severity.WARNING
+    is_part = is_named_nowhere(source) or is_certainly_left_aside(source) or find_deploying_script(source) is not None
+    return Severity.INFO if is_part else Severity.WARNING
 
 
 def _has_joints_elsewhere(source: Source) -> bool:

@@ -414,7 +414,16 @@ def _describe_move(parent: str, places: list[Element], homes: list[str], model: 
     holding = [_find_around(place, *homes) for place in places]
     if all(home is not None and home.find_child(tag) is not None for home in holding):
         return f"delete it: the element around it has its own <{tag}>"
-    where = f"the <{around}> around it" if around else _list_choices(held) if held and parent != "geometry" else listed
+    outer = list(dict.fromkeys(home.tag for home in holding if home is not None))
+    where = (
+        f"the <{around}> around it"
+        if around
+        else _list_choices(held)
+        if held and parent != "geometry"
+        else f"the {_list_choices(outer)} around it"
+        if outer and None not in holding
+        else listed
+    )
     return f"move it into {where}{_UNLESS_RIGHT}"
 
 
