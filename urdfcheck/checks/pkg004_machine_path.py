@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import field
 from functools import lru_cache
 from pathlib import Path, PurePosixPath
@@ -15,9 +15,10 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import (
     ResourceUse,
+    describe_namesakes,
+    drop_branch,
     find_in_named_package,
     find_in_package,
     find_installed_file,
@@ -49,6 +50,8 @@ _KINDS = {
 }
 # A file:// URI with a folder where the name of a machine belongs. `file://C:/` names a drive, `file://home/ann` lacks a slash.
 _HOST = re.compile(r"file://(?!(?:localhost|home|mnt|media|opt|root|tmp|usr|Users|var|workspaces?)/)([^/\\:~$]+)/")
+# What examples have where a user is to write a folder.
+_PLACEHOLDER = re.compile(r"/(?:path/to|(?:absolute|full|your)[_-]path)/", re.IGNORECASE)
 # Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
 # A released name of one word (robot, urdf) is as often a folder of another kind.
@@ -83,6 +86,8 @@ def _choose_message(use: ResourceUse) -> str:
         return "host"
     if _find_installed_path(use) and str(use.resource.path).startswith(_RELEASED):
         return "installed"
+    if _PLACEHOLDER.search(use.resource.text.replace("\\", "/")) and not use.resource.exists:
+        return "placeholder"
     return "unread" if not use.resource.allowed else "here-only" if use.resource.exists else "nowhere"
 
 
@@ -214,18 +219,6 @@ def _is_same_file(first: Path, second: Path) -> bool:
     return os.path.samefile(first, second)
 
 
-def _list_namesakes(uses: Iterable[ResourceUse], source: Source) -> list[str]:
-    """Return for each file that of the same name in the model's package; nothing unless each name is there once."""
-    if source.package is None:
-        return []
-    index = index_files([source.package.path])
-    names = dict.fromkeys(use.resource.path.name for use in uses if use.resource.path is not None)
-    found = [[path for path in index.get(name.lower(), []) if path.name == name] for name in names]
-    if any(len(paths) != 1 for paths in found):
-        return []
-    return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
-
-
 def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str | None], source: Source) -> str:
     """Say what to write, or to copy the files first."""
     likewise = ", and the others likewise"
@@ -245,11 +238,14 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     # A path may name another package, which has some of the files.
     owners = {path.split("/")[2] for path in paths if path.startswith("package://")}
     future = [_find_future_path(use, source, owners) for use in place.uses]
-    if paths and None not in future:
-        lacking = [str(path) for path, here in zip(future, portable, strict=True) if here is None]
+    meant = [here or ahead for here, ahead in zip(others, future, strict=True)]
+    if paths and None not in meant:
+        lacking = [str(ahead) for ahead, here in zip(future, others, strict=True) if here is None]
         names = join_names(list(dict.fromkeys(path.rpartition("/")[2] for path in lacking)), 3)
-        declare = "".join(describe_declaration(source.package, name, source.finder) for name in sorted(owners))
-        has = f"the package has them, except {names}, which must be added"
+        elsewhere = {str(path).split("/")[2] for path in others if path not in {None, *paths}}
+        both = sorted(owners | elsewhere)
+        declare = "".join(describe_declaration(source.package, name, source.finder) for name in both)
+        has = f"{names} must be added" if elsewhere else f"the package has them, except {names}, which must be added"
         return f"write `{paths[0]}`, and the others likewise{declare}: {has}"
     if source.package is None:
         files = "the files" if several else "the file"
@@ -261,12 +257,7 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
     if outer:
         what += f" ({'the first is ' if several else ''}`{outer}` from the model)"
     repair = f"copy the {what} into the model's package and write {_format_future_path(future, place.uses, source)}"
-    namesakes = _list_namesakes(place.uses, source)
-    if namesakes and source.package is not None:
-        own = f"package://{source.package.name}/{namesakes[0]}"
-        meant = f"write `{own}`{likewise if len(namesakes) > 1 else ''}"
-        repair = f"if {namesakes[0]} of the package is the file that is meant, {meant}; else {repair}"
-    return repair
+    return f"{describe_namesakes(place.uses, source)}{repair}"
 
 
 def _describe_for_mujoco(portable: Sequence[str | None], source: Source) -> str:
@@ -282,8 +273,9 @@ def _find_future_path(use: ResourceUse, source: Source, owners: Collection[str])
     if path is None or package is None:
         return None
     parts = split_machine_path(path)
-    before = [index for index, part in enumerate(parts[:-1]) if part == package.name or part in owners]
-    return f"package://{'/'.join(parts[before[-1] :])}" if before else None
+    names = [drop_branch(part) if drop_branch(part) == package.name else part for part in parts]
+    before = [index for index, name in enumerate(names[:-1]) if name == package.name or name in owners]
+    return f"package://{'/'.join(names[before[-1] :])}" if before else None
 
 
 def _format_future_path(future: Sequence[str | None], uses: Sequence[ResourceUse], source: Source) -> str:

@@ -17,6 +17,7 @@ from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.resources import (
     ResourceUse,
+    describe_namesakes,
     find_in_package,
     find_installed_file,
     find_machine_path,
@@ -71,7 +72,7 @@ def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -
     """Say to allow the folder first where nothing shows which folder the robot's is: the files may well be its own."""
     is_marked = source.package is not None or source.finder.find_repository() is not None
     if is_marked or any(use.resource.kind != "relative" for use in uses):
-        return _MOVE.format(folder=folder)
+        return f"{describe_namesakes(uses, source)}{_MOVE.format(folder=folder)}"
     reason = "without .git or package.xml only the model's folder is read"
     return f"if the folder is the robot's own, allow it: --allow-read {folder}; {reason}"
 

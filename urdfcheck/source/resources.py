@@ -14,10 +14,11 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, PackageFinder, Resource
 from urdfcheck.source.package.released_packages import read_released_packages
+from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.ros.dependencies import find_dependent_in_project
 from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path, is_found_by_mujoco
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals
-from urdfcheck.source.text.grammar import is_unexpanded
+from urdfcheck.source.text.grammar import CHILDREN, is_unexpanded
 from urdfcheck.source.text.xml import Attribute, Definition, Element
 from urdfcheck.source.xacro.usage import ARGUMENT
 from urdfcheck.system.files import note_lookup, read_text_or_nothing
@@ -29,6 +30,8 @@ _ADDRESS = re.compile(r"(?:^|/)package:/+([^/]+)(/.+)$")
 _ONE_SLASH = re.compile(r"^(package|model|file):/?(?=[^/])")
 # A file of a package that is installed there, by a release of ROS or in a workspace.
 _INSTALLED = re.compile(r".*/(?:opt/ros/\w+|install(?:/[^/]+)?|devel)/share/([^/]+)/(.+)")
+# What a download of a branch has behind the name of the repository.
+_BRANCH = re.compile(r"-(?:main|master|devel)$")
 _COMPUTED = re.compile(r"\$\((?:find|dirname|cwd|env|optenv|eval)\b|abs_filename")
 
 
@@ -153,9 +156,15 @@ def find_in_package(path: Path, package: Package | None, finder: PackageFinder) 
     for index, part in enumerate(parts[:-1]):
         inside = "/".join(parts[index + 1 :])
         place = package.path / inside
-        if part in {package.name, package.path.name} and finder.can_open(place) and os.path.isfile(place):
+        is_named = part == package.path.name or drop_branch(part) == package.name
+        if is_named and finder.can_open(place) and os.path.isfile(place):
             return inside
     return None
+
+
+def drop_branch(folder: str) -> str:
+    """Return the name of a folder without that of a branch, which a download of it has (``arm-master``)."""
+    return _BRANCH.sub("", folder)
 
 
 def find_in_named_package(path: Path, finder: PackageFinder) -> tuple[str, str] | None:
@@ -218,6 +227,25 @@ def describe_project_path(files: Iterable[Path], source: Source) -> str:
     paths = list(files)
     own, mujoco = format_path_from_model(paths[0], source), describe_mujoco_path(paths, source)
     return f"write the path from this file, `{own}`, for programs without ROS{mujoco}; ROS needs a package.xml and its name"
+
+
+def describe_namesakes(uses: Iterable[ResourceUse], source: Source) -> str:
+    """Say before a repair how the files of these names in the model's package, or else in its repository, are written; empty
+    unless each name is there once. A relative path stays one."""
+    package = source.package
+    folder = source.finder.find_repository() if package is None else package.path
+    if folder is None or not source.finder.can_open(folder):
+        return ""
+    index = index_files([folder])
+    paths = {use.resource.path.name: use.resource.kind for use in uses if use.resource.path is not None}
+    found = [[path for path in index.get(name.lower(), []) if path.name == name] for name in paths]
+    if not found or any(len(same) != 1 for same in found):
+        return ""
+    first, likewise = found[0][0], ", and the others likewise" if len(found) > 1 else ""
+    inside = first.relative_to(folder).as_posix()
+    is_plain = set(paths.values()) == {"relative"}
+    own = format_path_from_model(first, source) if package is None or is_plain else f"package://{package.name}/{inside}"
+    return f"if {inside} of the {'project' if package is None else 'package'} is the file that is meant, write `{own}`{likewise}; else "
 
 
 def find_above(use: ResourceUse, source: Source) -> Path | None:
@@ -304,12 +332,18 @@ def _read_definition(definition: Definition, source: Source) -> str:
 def _find_filenames(root: Element) -> Iterator[Attribute]:
     for element in root.walk():
         inside = element.parent.tag if element.parent is not None else ""
-        if element.tag == "mesh" and _is_stray_geometry(element.parent):
+        if element.tag == "mesh" and (_is_stray_geometry(element.parent) or _follows_shape(element)):
             continue
         if (element.tag == "mesh" and inside == "geometry") or (element.tag == "texture" and inside == "material"):
             filename = element.attributes.get("filename")
             if filename is not None:
                 yield filename
+
+
+def _follows_shape(mesh: Element) -> bool:
+    """Whether a geometry has another shape before a mesh: urdfdom reads the first one only (XML006)."""
+    shapes = [] if mesh.parent is None else [one for one in mesh.parent.children if one.tag in CHILDREN["geometry"]]
+    return mesh in shapes and shapes[0] is not mesh
 
 
 def _is_stray_geometry(element: Element | None) -> bool:
