@@ -16,7 +16,12 @@ from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import add_checkout, index_files, propose_checkout
+from urdfcheck.source.package.similar_files import (
+    add_checkout,
+    index_files,
+    is_in_folder_of_another,
+    propose_checkout,
+)
 from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.project_folders import find_project_folder, is_part_of_robot
 from urdfcheck.source.resources import (
@@ -180,6 +185,8 @@ def _build_finding(
         repair = _describe_rosbuild_repair(source, package, clone)
     if package and not (checkout or here or near or (declared and package in read_released_packages())):
         repair = add_checkout(repair, package, source.finder)
+    file_here = _find_included_file(source, package, at) if is_lost and not (uses or inside or clone) else None
+    repair = _describe_included_file(file_here, package, owner, repair)
     if kind == "expansion" and clone is None:
         skipping = find_skipping_argument(source, at)
         repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
@@ -226,6 +233,8 @@ def _build_finding(
             if checkout
             else ""
             if declared
+            else f" (the project has the file as {format_path(file_here[0] / file_here[1])})"
+            if file_here is not None
             else _describe_places(files, here, own, source)
         )
         + (f" (the Gazebo model {in_gazebo} has {'it' if len(files) == 1 else 'them'})" if in_gazebo else "")
@@ -377,7 +386,7 @@ def _find_files_here(uses: Sequence[ResourceUse], source: Source) -> dict[str, P
     for use in uses:
         path = find_above(use, source) or find_in_project(use, source)
         if path is None:
-            return _find_in_folder_beside(uses, source)
+            return _find_in_folder_beside(uses, source) or _find_in_one_folder(uses, source)
         found[use.resource.text] = path
     return found
 
@@ -397,6 +406,28 @@ def _find_in_folder_beside(uses: Iterable[ResourceUse], source: Source) -> dict[
     return {} if place is None else {text: place / name for text, name in names.items()}
 
 
+def _find_in_one_folder(uses: Iterable[ResourceUse], source: Source) -> dict[str, Path]:
+    """Return for each text the file of its name in the only folder of the repository that has them all, if they are several.
+
+    A folder of another robot may have files of the same names.
+    """
+    names = {use.resource.text: PurePosixPath(use.resource.text).name for use in uses}
+    project = source.finder.find_repository()
+    if (
+        project is None
+        or not _LEAST_FILES <= len(names) == len({*names.values()})
+        or not source.finder.can_open(project)
+    ):
+        return {}
+    index = index_files([project])
+    named = [{p.parent for p in index.get(name.lower(), []) if p.name == name} for name in names.values()]
+    places = sorted(set.intersection(*named))
+    typed = project / get_path_in_package(next(iter(names)), "")
+    if len(places) != 1 or is_in_folder_of_another(typed, places[0] / typed.name):
+        return {}
+    return {text: places[0] / name for text, name in names.items()}
+
+
 def _has_rosbuild_name(here: Mapping[str, Path], package: str) -> bool:
     """Whether all files are in a package of rosbuild, whose folder has another name here."""
     folders = {path.parents[get_path_in_package(text, package).count("/")] for text, path in here.items()}
@@ -409,6 +440,35 @@ def _find_rosbuild_folder(source: Source, package: str, at: Location) -> Path | 
     folders = [] if source.package is not None or not package or not inside else source.finder.list_parent_folders()
     own = (f for f in folders if is_rosbuild_package(f) and source.finder.can_open(f / inside))
     return next((f for f in own if os.path.isfile(f / inside)), None)
+
+
+def _find_included_file(source: Source, package: str, at: Location) -> tuple[Path, str] | None:
+    """Return the nearest folder around the model that has the file typed after ``$(find …)``, and the file's path in it.
+
+    A file that includes one of its own name from elsewhere is a wrapper of that.
+    """
+    inside = _read_path_behind(at, source)
+    if not package or not inside or at.span is None:
+        return None
+    itself = os.path.abspath(source.files[at.span.file].path)
+    for folder in source.finder.list_parent_folders():
+        if _has_all_files(folder, [inside], source):
+            return None if os.path.abspath(folder / inside) == itself else (folder, inside)
+    return None
+
+
+def _describe_included_file(found: tuple[Path, str] | None, package: str, owner: Package | None, repair: str) -> str:
+    """Say before a repair how a file of the project is included, or how the folder that has it is found as the package."""
+    if found is None:
+        return repair
+    folder, inside = found
+    given = f"`--package {shlex.quote(package)}={shlex.quote(format_path(folder))}`"
+    if owner is None:
+        place = "the project" if format_path(folder) == "." else format_path(folder)
+        named = f"add a package.xml with its name there ({given} checks it without one)"
+        return f"if {place} is the package, {named}; else {repair}"
+    path = Path(os.path.relpath(folder / inside, owner.path)).as_posix()
+    return f"if that file is meant, write `$(find {owner.name})/{path}` ({given} checks it as it is); else {repair}"
 
 
 def _is_named_by_checkout(source: Source, folder: Path) -> bool:

@@ -245,7 +245,8 @@ def describe_namesakes(uses: Iterable[ResourceUse], source: Source) -> str:
     inside = first.relative_to(folder).as_posix()
     is_plain = set(paths.values()) == {"relative"}
     own = format_path_from_model(first, source) if package is None or is_plain else f"package://{package.name}/{inside}"
-    return f"if {inside} of the {'project' if package is None else 'package'} is the file that is meant, write `{own}`{likewise}; else "
+    place = "project" if package is None else "package"
+    return f"if {inside} of the {place} is the file that is meant, write `{own}`{likewise}; else "
 
 
 def find_above(use: ResourceUse, source: Source) -> Path | None:

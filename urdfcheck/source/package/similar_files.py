@@ -46,6 +46,8 @@ _FOR_READERS = re.compile(r"(?i)(?:readme|install|installation|setup)[\w.-]*\.(?
 _CLONED = re.compile(r"\bgit clone (?:-{1,2}[\w-]+(?:[ =](?!-)[\w./-]+)? ){0,5}((?:https?://|git@)[\w./:~@-]+\w)")
 # The name of one robot of a series: its word and its number, which may end with letters.
 _VARIANT = re.compile(r"([a-z_-]+)(\d+[a-z]{0,2})$")
+# The package of a file that is installed.
+_INSTALLED_IN = re.compile(r"/share/([^/]+)/")
 # Words of names; those that packages of all robots have.
 _WORD = re.compile(r"[a-z]{3,}")
 _WORDS_OF_MANY = frozenset({
@@ -166,7 +168,8 @@ def find_files_elsewhere(written: str, user: Path, finder: PackageFinder) -> lis
     """Return the files that a path of another machine may mean: those of its name in the package of the file that has the path.
 
     Of several those count whose folders are the most like. Without one it is the only file of the project that is in a folder
-    of that name, too; where there is no package, the folder's name does not matter.
+    of that name, too; where there is no package, the folder's name does not matter. An installed file (share/NAME/…) is in no
+    package of another name.
 
     :param user: the file that has the path.
     """
@@ -175,6 +178,7 @@ def find_files_elsewhere(written: str, user: Path, finder: PackageFinder) -> lis
     project = find_project_folder(user)
     for root in [project] if package is None else [package.path, project]:
         named = [path for path in index_files([root]).get(there.name.lower(), []) if path.name == there.name]
+        named = [path for path in named if root != project or not _is_of_other_package(path, there, finder)]
         likeness = {p: _count_like_parts(p.parts, there.parts) for p in named if p != own and finder.can_open(p)}
         best = [path for path, number in likeness.items() if number == max(likeness.values())]
         if best and package is not None and root == package.path:
@@ -182,6 +186,12 @@ def find_files_elsewhere(written: str, user: Path, finder: PackageFinder) -> lis
         if len(best) == 1 and (package is None or likeness[best[0]] > 1):
             return best
     return []
+
+
+def _is_of_other_package(path: Path, written: PureWindowsPath, finder: PackageFinder) -> bool:
+    """Whether a path of another machine names a package that is installed there, and a file is in one of another name."""
+    installed, package = _INSTALLED_IN.search(written.as_posix()), finder.find_package_of(path)
+    return installed is not None and package is not None and package.name != installed[1]
 
 
 def _count_like_parts(one: Sequence[str], other: Sequence[str]) -> int:
