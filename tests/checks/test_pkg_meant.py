@@ -176,3 +176,47 @@ def test_xacro_made_a_file_of_the_package_that_its_header_names(tmp_path: Path, 
     write(tmp_path, "scripts/arm.urdf", text=text)
     (finding,) = check(tmp_path / "scripts/arm.urdf", codes={"PKG001"}).findings
     assert ("xacro generated this file from ../arm/urdf/arm.urdf.xacro" in get_repair(finding)) == is_source
+
+
+@pytest.mark.parametrize(
+    ("build", "archive", "ignored", "is_made"),
+    [
+        ("execute_process(COMMAND ${CMAKE_COMMAND} -E tar xzf ${file})", "meshes/meshes.tar.xz", "*.dae", True),
+        ("file(ARCHIVE_EXTRACT INPUT meshes/all.zip)", "meshes/all.zip", "*.dae", True),
+        ("execute_process(COMMAND tar xzf ${file})", "meshes/readme.txt", "*.dae", False),
+        ("execute_process(COMMAND tar xzf ${file})", "docs/docs.tar.gz", "*.dae", False),
+        ("execute_process(COMMAND tar xzf ${file})", "meshes/meshes.tar.xz", "*.stl", False),
+        ("find_package(catkin REQUIRED)", "meshes/meshes.tar.xz", "*.dae", False),
+    ],
+)
+def test_a_build_may_unpack_meshes_that_git_leaves_out(
+    tmp_path: Path, build: str, archive: str, ignored: str, is_made: bool
+) -> None:
+    write(tmp_path, ".git/HEAD", f"car/{archive}", "car/meshes/notes.txt")
+    write(tmp_path, ".gitignore", text=ignored)
+    write(tmp_path, "car/package.xml", text="<package><name>car</name></package>")
+    write(tmp_path, "car/CMakeLists.txt", text=build)
+    finding = find(tmp_path / "car/urdf/car.urdf", "package://car/meshes/wheel.dae", code="PKG002")
+    assert finding.severity is (Severity.INFO if is_made else Severity.ERROR)
+    assert ("build car first: its CMakeLists.txt unpacks archives, and " in get_repair(finding)) == is_made
+
+
+@pytest.mark.parametrize(
+    ("folder", "script", "ignored", "is_made"),
+    [
+        ("g1_description", "wget https://a.org/all.zip\nmv all/g1_description .\n", "*_description/", True),
+        ("g1_description", "wget https://a.org/all.zip\nmv all/g1_description .\n", "*.txt", False),
+        ("g1_description", "# mv all/g1_description .\nwget https://a.org/all.zip\n", "*_description/", False),
+        ("g1_description", "convert g1_description/a.stl\n", "*_description/", False),
+        ("meshes", "wget https://a.org/all.zip\nmv all/meshes .\n", "meshes/", False),
+    ],
+)
+def test_a_script_may_fetch_the_folder_that_git_leaves_out(
+    tmp_path: Path, folder: str, script: str, ignored: str, is_made: bool
+) -> None:
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, ".gitignore", text=ignored)
+    write(tmp_path, "g1/HOWTO.sh", text=script)
+    finding = find(tmp_path / "g1/g1.urdf", f"{folder}/a.stl", code="PKG002")
+    assert finding.severity is (Severity.INFO if is_made else Severity.ERROR)
+    assert ("HOWTO.sh, which names g1_description and may fetch or make it" in get_repair(finding)) == is_made

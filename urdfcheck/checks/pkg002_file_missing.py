@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Location, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_choices, format_count, join_names
-from urdfcheck.source.launch.built_files import find_making_build, is_git_ignored
+from urdfcheck.source.launch.built_files import describe_making_build, is_git_ignored
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
@@ -24,6 +24,7 @@ from urdfcheck.source.package.similar_files import (
     find_similar_name,
     find_uninstalled_file,
     index_files,
+    is_called_as_any,
     is_in_folder_of_another,
     is_of_variant,
     list_missing_submodules,
@@ -65,6 +66,7 @@ from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
     explain_kept_file,
+    find_fetching_script,
     find_filling_script,
     is_lost_to_others,
     iter_user_texts,
@@ -291,7 +293,7 @@ def _build_finding(
     # No program of the robot loads such a model, as in PKG001.
     other_program, program_repair = ("", "") if is_explained or beside else _explain_by_other_program(gap, source)
     kept = "" if is_explained or beside or other_program else explain_kept_file(source)
-    build = "" if is_explained or beside or package is None else find_making_build(gap.files, package.path)
+    made = "" if is_explained or beside else _describe_making(gap, package, source)
     hint = argued or (
         _describe_place(outside, gap, source)
         if outside
@@ -310,7 +312,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related.values(), *places],
-        severity=Severity.INFO if kept or build or other_program else None,
+        severity=Severity.INFO if kept or made or other_program else None,
         edits=[] if mujoco or lacking else _propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         lost=name_lost_shapes(use.attribute.owner for use in gap.uses),
@@ -322,7 +324,7 @@ def _build_finding(
         or _describe_checkout(gap, source)
         or repair_beside
         or program_repair
-        or (f"build {package.name} first: its {build} names the file and may make it" if build and package else "")
+        or made
         or _describe_version(gap, source)
         or _describe_placeholder(gap)
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
@@ -534,13 +536,27 @@ def _describe_version(gap: _MissingFiles, source: Source) -> str:
     )
 
 
+def _describe_making(gap: _MissingFiles, package: Package | None, source: Source) -> str:
+    """Say what may make or fetch files that git leaves out: the build of their package, or a script that names their folder."""
+    making = "" if package is None else describe_making_build(gap.files, package.path)
+    if package is not None and making:
+        return f"build {package.name} first: {making}"
+    is_own = gap.folder is not None and not is_called_as_any(gap.folder.name) and _is_left_out(gap)
+    script = find_fetching_script(source, gap.folder.name) if gap.folder is not None and is_own else None
+    if script is None or gap.folder is None:
+        return ""
+    return f"run {format_path(script)}, which names {gap.folder.name} and may fetch or make it; else correct the path"
+
+
 def _describe_ignored(gap: _MissingFiles) -> str:
     """Say that git leaves the files out, which a build makes, or the author has beside the repository."""
+    return f" (.gitignore leaves {'it' if len(gap.files) == 1 else 'them'} out)" if _is_left_out(gap) else ""
+
+
+def _is_left_out(gap: _MissingFiles) -> bool:
     folder = gap.folder.parent if gap.folder is not None else gap.path.parent
     reach = FileReach.from_paths([folder], [])
-    if not all(is_git_ignored(path, reach) for path in gap.files):
-        return ""
-    return f" (.gitignore leaves {'it' if len(gap.files) == 1 else 'them'} out)"
+    return all(is_git_ignored(path, reach) for path in gap.files)
 
 
 def _find_similar_files(path: Path, index: FilesByName, source: Source) -> list[Path]:

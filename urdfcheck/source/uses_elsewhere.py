@@ -48,6 +48,9 @@ _OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 # What authors put where a script, or a person, is to write something.
 _PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]{3,}(?:_[A-Z0-9]+)*|__\w+__|@\w+@|\{[^{}]+\}|%\(?\w+\)?s|<[^<>]+>")
 _SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
+_FETCHES = re.compile(
+    r"\b(?:wget|curl|unzip|git clone|gdown|rsync|cp|mv)\s|\b(?:urlretrieve|snapshot_download|requests\.get)\("
+)
 # Files that hand arguments to a xacro file: launch files, tests and build files.
 _CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
 # Beyond this many files the search stops, and it is unknown which definitions are used.
@@ -380,6 +383,14 @@ def find_filling_script(source: Source, word: str) -> Path | None:
     return next(
         (path for path, text in _iter_project_files(source, (*_SCRIPT_SUFFIXES, ".m")) if filling.search(text)), None
     )
+
+
+@lru_cache(maxsize=8)  # a model lacks few folders
+def find_fetching_script(source: Source, folder: str) -> Path | None:
+    """Return a script of the project that names a folder outside comments, and downloads, unpacks or copies files."""
+    named = re.compile(rf"(?m)^[^#\n]*(?<![\w-]){re.escape(folder)}(?![\w-])")
+    scripts = _iter_project_files(source, _SCRIPT_SUFFIXES)
+    return next((path for path, text in scripts if _FETCHES.search(text) and named.search(text)), None)
 
 
 def find_used_copy(source: Source) -> Path | None:

@@ -37,6 +37,9 @@ _WRITTEN = re.compile(
 _XACRO_ADDED = re.compile(r"xacro_add_\w+\s*\(([^()]*)\)")
 # What the names of templates end with: those of CMake, and those of empy, which catkin expands.
 _TEMPLATES = (".in", ".em")
+_ARCHIVES = (".tar", ".tar.bz2", ".tar.gz", ".tar.xz", ".tgz", ".txz", ".zip", ".7z")
+# How a build unpacks them: `cmake -E tar xzf`, `unzip`, file(ARCHIVE_EXTRACT …), Python's modules.
+_UNPACKS = re.compile(r"\btar\s+-?x|\bunzip\b|ARCHIVE_EXTRACT|\b(?:tarfile|unpack_archive|ZipFile)\b")
 _CMAKE = "CMakeLists.txt"
 _XACRO = ".xacro"
 # What the shell, CMake or Python puts into a name.
@@ -119,29 +122,48 @@ def may_be_built(path: Path, package: Path, suffixes: tuple[str, ...]) -> bool:
     return False
 
 
-def find_making_build(paths: Collection[Path], package: Path) -> str:
-    """Return the name of the build file of a package that may make files which git ignores: it names each, not only to install
-    it, and calls what makes files. Empty if there is none."""
+def describe_making_build(paths: Collection[Path], package: Path) -> str:
+    """Say how the build file of a package may make files which git ignores: it names each, not only to install it, and calls what
+    makes files; or it unpacks archives, and one is in the folder of each. Empty if there is none."""
     reach = FileReach.from_paths([package], [])
     if not all(is_git_ignored(path, reach) for path in paths):
         return ""
-    return next((name for name in (_CMAKE, "setup.py") if _may_make(paths, package / name, reach)), "")
+    for name in (_CMAKE, "setup.py"):
+        text = _read_build(package / name, reach)
+        what = "the file" if len(paths) == 1 else "the files"
+        if _may_make(paths, text):
+            return f"its {name} names {what} and may make {'it' if len(paths) == 1 else 'them'}"
+        archives = [_find_archive(path.parent, reach) for path in paths] if _UNPACKS.search(text) else []
+        if archives and all(archives):
+            return f"its {name} unpacks archives, and {archives[0]} is where {what} should be"
+    return ""
 
 
 def find_origin(path: Path, package: Path) -> Path | None:
     """Return what a package makes a missing file of: its template, or the CMakeLists.txt that names it, not only to install it,
     and calls what makes files."""
     build = package / _CMAKE
-    is_made = _may_make([path], build, FileReach.from_paths([package], []))
+    is_made = _may_make([path], _read_build(build, FileReach.from_paths([package], [])))
     return find_template(path, package) or (build if is_made else None)
 
 
-def _may_make(paths: Collection[Path], build: Path, reach: FileReach) -> bool:
-    """Whether a build file names all of these files, not only to install them, and calls what makes files."""
+def _read_build(build: Path, reach: FileReach) -> str:
+    """Read a build file without what it only installs; empty if there is none."""
     text = read_text_or_nothing(build) if reach.can_open(build) else ""
     if build.name == _CMAKE:
         text = "\n".join(c.name + " " + " ".join(c.words) for c in parse_commands(text) if c.name != "install")
-    return _MAKES_FILES.search(text) is not None and all(_compile_made_name(path).search(text) for path in paths)
+    return text
+
+
+def _may_make(paths: Collection[Path], build: str) -> bool:
+    """Whether the text of a build file names all of these files and calls what makes files."""
+    return _MAKES_FILES.search(build) is not None and all(_compile_made_name(path).search(build) for path in paths)
+
+
+def _find_archive(folder: Path, reach: FileReach) -> str:
+    """Return the name of an archive in a folder; empty if there is none."""
+    _, _, files = next(walk(folder), ("", [], [])) if reach.can_open(folder) else ("", [], [])
+    return next((name for name in sorted(files) if name.lower().endswith(_ARCHIVES)), "")
 
 
 def _compile_made_name(path: Path) -> re.Pattern[str]:

@@ -368,6 +368,11 @@ def is_in_folder_of_another(path: Path, other: Path) -> bool:
     return any(not split_folder_words(part) <= names | _FOLDER_WORDS for part in other.parent.relative_to(common).parts)
 
 
+def is_called_as_any(folder: str) -> bool:
+    """Whether a folder has a name that folders of meshes of any robot have (``visual``, ``meshes``)."""
+    return split_folder_words(folder) <= _FOLDER_WORDS
+
+
 def split_folder_words(name: str) -> set[str]:
     """Return the words of a folder's name in lower case."""
     return {word for word in re.split(r"[^a-z0-9]+", name.lower()) if word}
