@@ -220,3 +220,19 @@ def test_a_script_may_fetch_the_folder_that_git_leaves_out(
     finding = find(tmp_path / "g1/g1.urdf", f"{folder}/a.stl", code="PKG002")
     assert finding.severity is (Severity.INFO if is_made else Severity.ERROR)
     assert ("HOWTO.sh, which names g1_description and may fetch or make it" in get_repair(finding)) == is_made
+
+
+@pytest.mark.parametrize(("mark", "severity"), [("# ", Severity.INFO), ("", Severity.ERROR)])
+def test_a_model_in_a_comment_is_not_named(tmp_path: Path, mark: str, severity: Severity) -> None:
+    write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
+    write(tmp_path, "p/config/leg.yaml", text=f"odometry:\n  {mark}urdf: urdfs/old.urdf\n  urdf: urdfs/new.urdf\n")
+    assert find(tmp_path / "p/urdfs/old.urdf", "package://gone/a.stl", code="PKG001").severity is severity
+
+
+@pytest.mark.parametrize(("model", "is_named"), [("robot.urdf", True), ("arm.urdf", False)])
+def test_a_script_that_replaces_backslashes_is_to_be_changed_too(tmp_path: Path, model: str, is_named: bool) -> None:
+    write(tmp_path, ".git/HEAD", "assets/a.stl")
+    write(tmp_path, "fix_paths.py", text="text = open('robot.urdf').read().replace('package://assets\\\\', '')")
+    repair = get_repair(find(tmp_path / model, "package://assets\\a.stl", code="PKG011"))
+    assert repair.startswith("write `package://assets/a.stl`")
+    assert ("fix_paths.py replaces `package://assets\\`: change it too" in repair) == is_named

@@ -26,6 +26,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
+from urdfcheck.source.uses_elsewhere import find_replacing_script
 
 _SCHEMES = ("package", "model", "file")
 # RViz fetches these by libcurl.
@@ -150,7 +151,16 @@ def _describe_suggestion(problem: _PathProblem, source: Source, moved: Mapping[s
     )  # fmt: skip
     first = moved.get(problem.suggestion or "", problem.suggestion)
     where = ", where the file is" if first in moved.values() and first not in missing else ""
-    return f"write `{first}`{where}{likewise}{rest}"
+    return f"write `{first}`{where}{likewise}{rest}{_describe_script(problem, source)}"
+
+
+def _describe_script(problem: _PathProblem, source: Source) -> str:
+    """Say that a script replaces the beginning of paths with backslashes in the model, and finds none once they are edited."""
+    before, slash, _ = problem.uses[0].resource.text.partition("\\")
+    if problem.message != "backslash" or not before:
+        return ""
+    script = find_replacing_script(source, before + slash, names_model=True)
+    return f"; {script.name} replaces `{before + slash}`: change it too" if script is not None else ""
 
 
 def _find_moved(problem: _PathProblem, source: Source) -> dict[str, str]:

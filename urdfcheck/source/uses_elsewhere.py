@@ -20,6 +20,7 @@ from urdfcheck.source.model_file import compile_includes, may_compute_name, name
 from urdfcheck.source.package.finder import format_path, has_dependency_entry, is_kept_aside
 from urdfcheck.source.package.package_folders import (
     TEST_FOLDERS,
+    drop_comments,
     get_used_name,
     iter_package_texts,
     read_package_texts,
@@ -346,10 +347,10 @@ def _is_made_of(source: Source, path: Path, text: str) -> bool:
 
 
 def name_other_models_only(texts: Iterable[str], own: str) -> bool:
-    """Whether texts name files of models, and not the ``own`` one, outside comments in XML."""
+    """Whether texts name files of models, and not the ``own`` one, outside comments."""
     names_any = False
     for text in texts:
-        named = MODEL_FILE.findall(COMMENT.sub("", text))
+        named = MODEL_FILE.findall(drop_comments(text))
         if own in named:
             return False
         names_any |= bool(named)
@@ -374,15 +375,22 @@ def find_filling_script(source: Source, word: str) -> Path | None:
 
     A name in small letters may be that of a folder, which a script moves.
     """
-    if _PLACEHOLDER.fullmatch(word) is None:
-        return None
-    filling = re.compile(
-        rf"""(?:\b(?:replace|sub)\(\s*|\bstrrep\([^,\n]{{1,80}},\s*)[rbf]?["'][^"'\n]{{0,40}}(?<!\w){re.escape(word)}(?!\w)"""
-        rf"""|\bs([/@|#,!])[^\n]{{0,40}}(?<!\w){re.escape(word)}(?!\w)"""
+    return None if _PLACEHOLDER.fullmatch(word) is None else find_replacing_script(source, word)
+
+
+@lru_cache(maxsize=8)
+def find_replacing_script(source: Source, typed: str, *, names_model: bool = False) -> Path | None:
+    """Return a script of the project that puts another text in place of one; ``names_model``: and that names the model's file."""
+    whole = rf"(?<!\w){re.escape(typed)}(?!\w)"
+    replacing = re.compile(
+        rf"""(?:\b(?:replace|sub)\(\s*|\bstrrep\([^,\n]{{1,80}},\s*)[rbf]?["'][^"'\n]{{0,40}}{whole}"""
+        rf"""|\bs([/@|#,!])[^\n]{{0,40}}{whole}"""
     )
-    return next(
-        (path for path, text in _iter_project_files(source, (*_SCRIPT_SUFFIXES, ".m")) if filling.search(text)), None
-    )
+    own = compile_names((source.path.name,))
+    for path, text in _iter_project_files(source, (*_SCRIPT_SUFFIXES, ".m")):
+        if replacing.search(text) and (not names_model or own.search(text)):
+            return path
+    return None
 
 
 @lru_cache(maxsize=8)  # a model lacks few folders
