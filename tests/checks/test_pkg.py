@@ -2083,7 +2083,11 @@ def test_a_file_of_the_same_name_may_be_another_robots(tmp_path: Path, there: tu
             '[submodule "m"]\n\tpath = other\n\turl = u\n',
             "correct the path, or add the folder with its files",
         ),
-        (".gitignore", "*.stl\n", "correct the path, or add the folder with its files (.gitignore leaves it out)"),
+        (
+            ".gitignore",
+            "*.stl\n",
+            "correct the path, or add the folder with its files (.gitignore leaves it out; a build or a script may",
+        ),
         (".gitignore", "*.dae\n", "correct the path, or add the folder with its files"),
     ],
 )

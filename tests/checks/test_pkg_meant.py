@@ -236,3 +236,44 @@ def test_a_script_that_replaces_backslashes_is_to_be_changed_too(tmp_path: Path,
     repair = get_repair(find(tmp_path / model, "package://assets\\a.stl", code="PKG011"))
     assert repair.startswith("write `package://assets/a.stl`")
     assert ("fix_paths.py replaces `package://assets\\`: change it too" in repair) == is_named
+
+
+def test_a_package_that_a_property_names_is_reported_where_it_is_typed(tmp_path: Path) -> None:
+    """xacro evaluates a property where it is first read, which is far from the name of the package."""
+    write(tmp_path, "arm/package.xml", text="<package><name>arm</name></package>")
+    write(tmp_path, "arm/config/arm.yaml", text="length: 1")
+    text = (
+        '<xacro:property name="file" value="$(find old_arm)/config/arm.yaml"/>\n'
+        '<xacro:property name="sizes" value="${xacro.load_yaml(file)}"/>\n'
+    )
+    base = link("base", visual(box("${sizes['length']} 1 1")))
+    write(tmp_path, "arm/urdf/arm.xacro", text=robot(text, base, xacro=True))
+    (finding,) = check(tmp_path / "arm/urdf/arm.xacro", codes={"PKG001"}).findings
+    assert finding.location.span is not None
+    assert finding.location.span.line == 1
+    assert "did you mean arm, which has this file?" in finding.message
+
+
+@pytest.mark.parametrize(
+    ("path", "file", "begin"),
+    [
+        ("package://${folder}/a.stl", "a.stl", "write `file://` in place of `package://`"),
+        ("package://${folder}/b.stl", "a.stl", "write `package://NAME/…`"),
+        ("package:///arm/a.stl", "a.stl", "write `package://NAME/…`"),
+    ],
+)
+def test_a_folder_from_the_root_is_no_package(tmp_path: Path, path: str, file: str, begin: str) -> None:
+    write(tmp_path, "arm/package.xml", text="<package><name>arm_description</name></package>")
+    write(tmp_path, f"arm/meshes/{file}")
+    folder = '<xacro:property name="folder" value="$(find arm_description)/meshes"/>'
+    text = robot(folder, link("base", visual(mesh(path))), xacro=True)
+    write(tmp_path, "arm/urdf/arm.xacro", text=text)
+    (finding,) = check(tmp_path / "arm/urdf/arm.xacro", codes={"PKG001"}).findings
+    assert finding.message_id == "nameless"
+    assert get_repair(finding).startswith(begin)
+
+
+@pytest.mark.parametrize(("folder", "severity"), [("old_files", Severity.INFO), ("gold_files", Severity.ERROR)])
+def test_a_model_in_a_folder_of_old_files_is_kept_aside(tmp_path: Path, folder: str, severity: Severity) -> None:
+    write(tmp_path, "arm/package.xml", text="<package><name>arm</name></package>")
+    assert find(tmp_path / f"arm/{folder}/arm.urdf", "package://arm/meshes/a.stl", code="PKG002").severity is severity

@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -75,7 +75,10 @@ _PATH_BEHIND = re.compile(r"(?:\$\(find\s+)?[^\s()\"'<>]*\s*\)/([^\s$\"'<>{}]*)"
 def check(source: Source, rule: Rule) -> Iterator[Finding]:
     for problem in source.find_problems("package-not-found"):
         package = str(problem.data["package"])
-        yield _build_finding(source, rule, package, at=problem.location, related=problem.related)
+        at = locate_expression(source, problem, package)  # xacro evaluates a property where it is first read
+        read = [] if at is problem.location else [problem.location]
+        related = [*read, *(one for one in problem.related if one.span != at.span)]
+        yield _build_finding(source, rule, package, at=at, related=related)
     missing: dict[str, list[ResourceUse]] = {}
     for use in list_resource_uses(source):
         if use.resource.package is not None and use.resource.path is None and not is_misspelt(use, source):
@@ -170,7 +173,8 @@ def _build_finding(
     named_by, places = _explain_by_argument(source, package, uses, related)
     # A package may be meant by its name and lack the files all the same.
     lacking = "" if owners or here or not near else _describe_lack(near, package, uses, at, source)
-    repair = checkout or _describe_repair(package, here, near, source, owner, declared=declared, lacking=lacking)
+    repair = checkout or _describe_absolute_path(package, uses, source)
+    repair = repair or _describe_repair(package, here, near, source, owner, declared=declared, lacking=lacking)
     scaled = _describe_scaled_file(near, package, uses, source)
     repair = scaled + repair
     own = [] if declared or here or near or checkout else _find_own_files(source, files)
@@ -565,6 +569,15 @@ def _describe_repair(
         return f"correct the name{lacking}; if the package is only missing here, {declare}{elsewhere}"
     declare = " and declare it in package.xml" if owner is not None else ""
     return f"add the package{declare}, or correct its name; if it is in another folder, {elsewhere}"
+
+
+def _describe_absolute_path(package: str, uses: Iterable[ResourceUse], source: Source) -> str:
+    """Say what to write before a path that xacro computes from the root of the disk (``package://${folder}/a.stl``); else nothing."""
+    paths = [] if package else [Path("/", get_path_in_package(use.resource.text, "")) for use in uses]
+    is_computed = not any(use.attribute.literal for use in uses)
+    if not paths or not is_computed or not all(source.finder.can_open(p) and os.path.isfile(p) for p in paths):
+        return ""
+    return "write `file://` in place of `package://`: what xacro puts behind it is a path from the root"
 
 
 def _describe_lack(near: Sequence[str], package: str, uses: Sequence[ResourceUse], at: Location, source: Source) -> str:

@@ -550,7 +550,8 @@ def _describe_making(gap: _MissingFiles, package: Package | None, source: Source
 
 def _describe_ignored(gap: _MissingFiles) -> str:
     """Say that git leaves the files out, which a build makes, or the author has beside the repository."""
-    return f" (.gitignore leaves {'it' if len(gap.files) == 1 else 'them'} out)" if _is_left_out(gap) else ""
+    them = "it" if len(gap.files) == 1 else "them"
+    return f" (.gitignore leaves {them} out; a build or a script may make {them})" if _is_left_out(gap) else ""
 
 
 def _is_left_out(gap: _MissingFiles) -> bool:

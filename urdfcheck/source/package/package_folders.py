@@ -18,8 +18,8 @@ MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Folders of files that are kept and not used.
 _ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old"})
-# How longer names of such folders begin: `legacy_launch`.
-_ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "unused"})
+# How longer names of such folders begin: `legacy_launch`, `old_files`.
+_ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "old", "unused"})
 # What is added to the name of a file that is kept as it was, beside the one that is used.
 _KEPT_COPY = re.compile(
     r"(?<=\w)(?:(?: - |[._ -])(?:backup|bak|copy|old|ori|orig|original)(?:[ _]?\d| \(\d+\))?"
