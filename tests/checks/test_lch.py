@@ -77,6 +77,8 @@ def load(path: str) -> str:
         (load("$(find car)/urdf/cra.urdf"), "file"),
         (load("$(find no_such_cart)/urdf/car.urdf"), "package"),
         (load("$(arg model)"), "argument"),
+        (load("../urdf/car.urdf"), "relative"),
+        (load("../urdf/cra.urdf"), "file"),
         ('<arg name="a" default="$(arg b)"/><arg name="b" default="$(arg a)"/>' + load("$(arg a)"), "circle"),
         ('<arg name="model"/>' + load("$(arg model)"), "unknown"),
         (load("$(env HOME)/car.urdf"), "unknown"),
@@ -99,6 +101,91 @@ def load(path: str) -> str:
 )
 def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: str | None) -> None:
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+
+
+def test_a_path_from_the_folder_of_the_launch_file_depends_on_where_that_is_started(tmp_path: Path) -> None:
+    (finding,) = find_in_package(tmp_path, load("../urdf/car.urdf"), "LCH001")
+    assert finding.severity == Severity.WARNING
+    assert get_repair(finding) == "write `$(find car)/urdf/car.urdf`"
+    assert finding.consequences["roslaunch"].endswith("car/launch")
+
+
+@pytest.mark.parametrize(
+    ("path", "command", "severity"),
+    [
+        ("$(arg model)", "", Severity.WARNING),
+        ("$(find car)/urdf/$(arg model)", "", Severity.ERROR),
+        ("$(find car)/urdf/$(arg model)", "roslaunch car car.launch gui:=1 model:=car.urdf", Severity.INFO),
+        ("$(find car)/urdf/$(arg model)", "roslaunch car other.launch model:=car.urdf", Severity.ERROR),
+        ("$(find car)/urdf/$(arg model)", "roslaunch car car.launch; car model:=car.urdf", Severity.ERROR),
+    ],
+)
+def test_the_command_that_starts_a_launch_file_may_give_what_it_does_not_declare(
+    tmp_path: Path, path: str, command: str, severity: Severity
+) -> None:
+    (tmp_path / "car" / "scripts").mkdir(parents=True)
+    (tmp_path / "car" / "scripts" / "start.sh").write_text(command)
+    (finding,) = find_in_package(tmp_path, load(path), "LCH001")
+    assert finding.severity == severity
+    ends = finding.consequences["roslaunch"].endswith(", unless its command line has model:=…")
+    assert ends == (severity != Severity.INFO)
+
+
+def test_a_folder_with_the_name_of_a_package_lacks_only_its_manifest(tmp_path: Path) -> None:
+    (tmp_path / "CMakeLists.txt").write_text("cmake_minimum_required(VERSION 3.5)\nproject(sensors_of_car)\n")
+    (finding,) = find_in_launch(tmp_path, load("$(find sensors_of_car)/urdf/lidar.urdf"), "LCH001")
+    assert finding.message_id == "package"
+    assert get_repair(finding).startswith("add a package.xml of this name beside ")
+    (other,) = find_in_launch(tmp_path, load("$(find sensors_of_cart)/urdf/lidar.urdf"), "LCH001")
+    assert get_repair(other).startswith("correct the package name")
+
+
+def test_without_a_manifest_a_released_package_is_merely_not_installed(tmp_path: Path) -> None:
+    (finding,) = find_in_launch(tmp_path, load("$(find pr2_description)/robots/pr2.urdf"), "LCH001")
+    assert (finding.message_id, finding.severity) == ("unknown", Severity.INFO)
+
+
+INNER = '<launch><arg name="frame" default="a"/></launch>'
+
+
+@pytest.mark.parametrize(
+    ("around", "inner", "repair"),
+    [
+        ("", INNER, 'declare the argument: `<arg name="f" default="…"/>`; or delete '),
+        ('<arg name="g" default="$(arg f)_b"/>', INNER, 'declare the argument: `<arg name="f" default="…"/>`'),
+        (
+            '<node name="a" pkg="a" type="a" ns="$(arg f)"/>',
+            "<launch/>",
+            'declare the argument: `<arg name="f" default="…"/>`; and',
+        ),
+        ("", "<launch/>", "delete "),
+    ],
+)
+def test_a_passed_argument_is_deleted_where_nothing_else_reads_it(
+    tmp_path: Path, around: str, inner: str, repair: str
+) -> None:
+    (tmp_path / "inner.launch.xml").write_text(inner)
+    body = f'{around}<include file="$(dirname)/inner.launch.xml"><arg name="frame" value="$(arg f)"/></include>'
+    (finding,) = find_in_launch(tmp_path, body, "LCH001")
+    is_whole = around.startswith("<arg")
+    assert get_repair(finding) == repair if is_whole else get_repair(finding).startswith(repair)
+
+
+def test_the_word_of_a_path_that_an_argument_says_is_named_where_it_is_typed(tmp_path: Path) -> None:
+    """Correcting the path would take it from the other launch files that include this one."""
+    inner = '<launch><arg name="model" default="arm"/>' + load("$(find car)/urdf/$(arg model).urdf") + "</launch>"
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/inner.launch": inner,
+        "launch/outer.launch": '<launch>\n<arg name="kind" default="large"/><include file="$(dirname)/inner.launch">'
+        '<arg name="model" value="$(arg kind)"/></include></launch>',
+    }
+    (finding,) = find(tmp_path / "car", files, "LCH001", name="launch/outer.launch")
+    assert get_repair(finding).startswith("correct the value 'large' of argument kind (")
+    assert get_repair(finding).endswith("launch/outer.launch:2), or the path, or add the file")
+    whole = '<arg name="m" default="$(find car)/urdf/none.urdf"/>' + load("$(arg m)")
+    (finding,) = find_in_package(tmp_path, whole, "LCH001")
+    assert get_repair(finding) == "correct the path, or add the file"
 
 
 @pytest.mark.parametrize(("condition", "severity"), [("true", Severity.ERROR), ("$(env SIM)", Severity.WARNING)])
@@ -555,6 +642,17 @@ INCLUDE = '<include file="{}"/>'
 )
 def test_why_an_include_leads_nowhere(tmp_path: Path, body: str, message: str | None) -> None:
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
+
+
+def test_what_an_included_template_loads_is_not_missing(tmp_path: Path) -> None:
+    inner = '<launch><rosparam file="$(find {})/a.yaml"/><include file="$(dirname)/[ROBOT]_b.launch"/></launch>'
+    for package, count in (("[PACKAGE]", 0), ("car", 1)):
+        files = {
+            "package.xml": "<package><name>car</name></package>",
+            "launch/a.launch.xml": inner.format(package),
+            "launch/b.launch": '<launch><include file="$(dirname)/a.launch.xml"/></launch>',
+        }
+        assert len(find(tmp_path / package / "car", files, "LCH001", name="launch/b.launch")) == count
 
 
 def test_a_file_is_not_proposed_to_itself(tmp_path: Path) -> None:

@@ -122,7 +122,8 @@ def test_a_template_is_left_out_unless_it_is_named(workspace: Path, name: str, t
 
 
 @pytest.mark.parametrize(
-    "typed", ["${{'a': 1}['a']}", "$(arg name)$", "a@b.c", "${x}", "${sizes[LEFT_ARM]}", "[ROBOT_NAME]"]
+    "typed",
+    ["${{'a': 1}['a']}", "$(arg name)$", "a@b.c", "${x}", "${sizes[LEFT_ARM]}", "[ROBOT_NAME]", "__left_arm__"],
 )
 def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> None:
     text = f'<!-- {{{{ name }}}} --><robot name="{typed}"><link name="a"/></robot>'
@@ -140,7 +141,9 @@ def test_settings_of_eclipse_are_no_launch_file_of_ros(workspace: Path) -> None:
     assert [path for path, _ in planned("board/car Debug.launch").missing] == ["board/car Debug.launch"]
 
 
-@pytest.mark.parametrize("typed", ['value="$(find <your-package>)/b"', "[URDF_LOAD_ATTRIBUTE]"])
+@pytest.mark.parametrize(
+    "typed", ['value="$(find <your-package>)/b"', 'value="__robot_name__"', "[URDF_LOAD_ATTRIBUTE]"]
+)
 def test_a_launch_file_that_is_a_template_is_left_out(workspace: Path, typed: str) -> None:
     text = f'<launch><param name="a" {typed}/></launch>'
     write(workspace, {"a_template.launch": text, "kept.urdf": URDF})

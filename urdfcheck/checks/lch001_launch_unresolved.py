@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Confidence, Finding, Fix, Location, Rule, Severity
-from urdfcheck.core.text import format_name_hint
+from urdfcheck.core.text import compile_names, format_name_hint
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.arguments.written_commands import find_starting_command
 from urdfcheck.source.launch.around.meant_files import (
     Trial,
     can_be_included,
@@ -35,11 +36,13 @@ from urdfcheck.source.launch.launch_file import (
 )
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
+from urdfcheck.source.model_file import find_placeholder
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES, is_launch
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import describe_declaration, find_dependent
 from urdfcheck.source.text.tokens import locate_text
@@ -51,6 +54,8 @@ _SHOWN = 80
 _XACRO = ".xacro"
 # So many xacro files are searched for one that includes another.
 _MOST_INCLUDERS = 1_000
+# So many arguments a repair shows of which a path is made.
+_MOST_VALUES = 3
 # What a launch file names, as a message calls it.
 _SRDF = "SRDF"
 # What means the same whatever the arguments are.
@@ -95,7 +100,7 @@ def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     if launch.python is not None:
         yield from _check_python_launch(launch, launch.python, rule, is_explicit=context.is_explicit)
     for description in launch.descriptions:
-        if description.unresolved is not None:
+        if description.unresolved is not None and not _is_in_template(launch, description.at):
             at = locate_text(description.at, description.file, launch.files)
             is_certain = _has_known_conditions(launch, description.at.owner)
             if not is_certain and _is_chosen_by_argument(description):
@@ -103,7 +108,16 @@ def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
             for finding in _check_description(context, rule, description, obstacle=description.unresolved, at=at):
                 yield finding if is_certain else replace(finding, severity=min(finding.severity, Severity.WARNING))
     for include in launch.broken_includes:
-        yield from _check_include(launch, include, rule)
+        if not _is_in_template(launch, include.at):
+            yield from _check_include(launch, include, rule)
+
+
+def _is_in_template(launch: Launch, at: Attribute) -> bool:
+    """Whether a place is in an included file that a generator fills in before it is launched."""
+    file = None if at.span is None else launch.files.get(at.span.file)
+    return (
+        file is not None and at.span is not None and at.span.file != launch.name and bool(find_placeholder(file.text))
+    )
 
 
 def _has_known_conditions(launch: Launch, element: Element) -> bool:
@@ -135,7 +149,9 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
 
         beside = _describe_neighbours(name, launch.finder, is_right)
         replaced = _find_replaced_default(launch, at, at.value)
-        yield rule.finding(f"include-{'default' if replaced else 'file'}", at=at, path=name, **beside, **replaced)
+        value = _describe_deciding_values(launch, at, at.value)
+        message = f"include-{'default' if replaced else 'file'}"
+        yield rule.finding(message, at=at, path=name, value=value, **beside, **replaced)
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
@@ -149,6 +165,7 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
                 file=at.value,
                 argument=name,
                 near=near,
+                unless=_describe_command(launch, at, name),
                 repair=_describe_argument_repair(include, near, launch.finder),
             )
 
@@ -174,33 +191,65 @@ def _find_replaced_default(launch: Launch, path: Attribute, typed: str) -> dict[
 def _list_deciding_arguments(launch: Launch, path: Attribute, typed: str) -> list[str]:
     """Return the arguments of a launch file on which a path depends: it may be that of an included file, and their values may be
     parts of other arguments."""
+    found = _trace_arguments(launch, path, typed)
+    return [name for root, name in found if launch.scope is not None and root is launch.scope.root]
+
+
+def _describe_deciding_values(launch: Launch, path: Attribute, typed: str) -> str:
+    """Say where the words of a path are typed that are arguments, before a repair says to correct the path; empty without one."""
+    found: dict[Attribute, str] = {}
+    for (_, name), values in _trace_arguments(launch, path, typed).items():
+        found |= {value: name for value in values if "/" not in value.value and "$(" not in value.value}
+    parts = [
+        f"{value.value!r} of argument {name} ({value.span.file}:{value.span.line})"
+        for value, name in found.items()
+        if value.span is not None and value.span.file in launch.files
+    ]
+    return f"the value {' or '.join(parts)}, or " if 0 < len(parts) <= _MOST_VALUES else ""
+
+
+def _trace_arguments(launch: Launch, path: Attribute, typed: str) -> dict[tuple[Element, str], list[Attribute]]:
+    """Return the arguments on which a path depends, by the files that have them, each with where its value is typed there or
+    where the include passes it."""
     scopes = [(None, launch.scope), *launch.scopes.items()]
     places = {scope.root: (include, scope.resolver.values) for include, scope in scopes if scope is not None}
     own = [path.owner.get("name")] if path.owner.tag in {"arg", "let"} and path.owner.parent is not None else []
     root = _find_root(path.owner)
     pending = [(root, name) for name in (*own, *_READ.findall(typed))]
-    seen = dict.fromkeys(pending)
+    seen: dict[tuple[Element, str], list[Attribute]] = {place: [] for place in pending}
     while pending:
-        root, name = pending.pop()
+        place = pending.pop()
+        root, name = place
         include, values = places.get(root, (None, {}))
         if name in values:
+            seen[place] = [values[name]]
             values_read = [(root, other) for other in _READ.findall(values[name].value)]
         elif include is not None:  # passed to the included file: typed there, or with all
-            passed = [child.get("value") for child in include.children if child.get("name") == name]
+            passing = [child.attributes for child in include.children if child.get("name") == name]
+            seen[place] = [attributes["value"] for attributes in passing if "value" in attributes]
+            texts = [attribute.value for attribute in seen[place]] or [f"$(arg {name})"]
             around = _find_root(include)
-            values_read = [(around, other) for text in passed or [f"$(arg {name})"] for other in _READ.findall(text)]
+            values_read = [(around, other) for text in texts for other in _READ.findall(text)]
         else:
             values_read = []
         pending += [value for value in values_read if value not in seen]
-        seen.update(dict.fromkeys(values_read))
-    return [name for root, name in seen if launch.scope is not None and root is launch.scope.root]
+        seen.update({value: [] for value in values_read if value not in seen})
+    return seen
 
 
 def _find_giver(launch: Launch, at: Attribute, argument: str) -> Path | None:
-    """Return a launch file with which this one has an argument that it does not declare."""
+    """Return a file with which a launch file has an argument that it does not declare: one that includes it, or one with a
+    command that starts it. Those that it includes do not get it."""
     if at.span is None or at.span.file != launch.name:
         return None
-    return next((file for file in find_inheriting_files(launch, argument) if _may_include(file, launch)), None)
+    including = (file for file in find_inheriting_files(launch, argument) if _may_include(file, launch))
+    return next(including, None) or find_starting_command(launch.path, argument, launch.finder)
+
+
+def _describe_command(launch: Launch, at: Attribute, argument: str) -> str:
+    """Say that the command which starts a launch file may give an argument that it does not declare: it takes any."""
+    is_own = at.span is not None and at.span.file == launch.name
+    return f", unless its command line has {argument}:=…" if is_own else ""
 
 
 def _may_include(caller: Path, launch: Launch) -> bool:
@@ -217,11 +266,26 @@ def _may_include(caller: Path, launch: Launch) -> bool:
 
 def _describe_argument_repair(include: BrokenInclude, near: str, finder: PackageFinder) -> str:
     """Say how an include gets along whose line passes on an argument that is not declared: as the included file takes it."""
+    name = include.unresolved.name
     deletion, is_taken = describe_handing(include.handed, include.file, finder)
-    declaration = f'declare the argument{near}: `<arg name="{include.unresolved.name}" default="…"/>`'
+    declaration = f'declare the argument{near}: `<arg name="{name}" default="…"/>`'
+    if _is_read_elsewhere(include, name):
+        return declaration if is_taken else f"{declaration}; and {deletion}"
     if not is_taken:
         return deletion
     return f"{declaration}; or {deletion}" if deletion else declaration
+
+
+def _is_read_elsewhere(include: BrokenInclude, name: str) -> bool:
+    """Whether the launch file with an include reads an argument also where it passes none on to an included file."""
+    word = compile_names((name,))
+    return any(
+        word.search(piece)
+        for element in _find_root(include.at.owner).walk()
+        if element.parent is None or element.parent.tag != "include"
+        for text in (element.text, *(attribute.value for attribute in element.attributes.values()))
+        for piece in text.split("$(")[1:]
+    )
 
 
 def _check_description(
@@ -232,46 +296,14 @@ def _check_description(
     build_unknown = partial(_build_unknown_finding, rule, at, is_explicit=context.is_explicit)
     path = _find_launch_file(description, launch)
     if obstacle.kind == "package":
-        package = launch.finder.find_package_of(path.absolute())
-        checkout = propose_checkout(obstacle.name, launch.finder)
-        if _is_in_rosbuild_package(description.file, launch.finder):
-            yield build_unknown(f"rosbuild finds package {obstacle.name!r} only in a folder of this name")
-        elif package is None or find_dependent(package, obstacle.name, launch.finder) is None:
-            names = _suggest_packages(launch, description, obstacle.name, package)
-            near = _format_suggestions(names)
-            declaration = describe_declaration(package, obstacle.name, launch.finder, shown="it")
-            if checkout:
-                near, repair = " (its submodule is not checked out)", f"{checkout}{declaration}"
-            elif obstacle.name in read_released_packages() and not near:
-                # The file may be another robot's, copied as a beginning.
-                own = package is not None and _has_own_model(package)
-                repair = f"install it{declaration}"
-                repair += ", if that robot is meant; else name the model of this package" if own else ""
-            else:
-                place = "" if _have_file(names, description.file, launch.finder) else " and the path"
-                repair = f"correct the package name{place}{near}, or install it{declaration}"
-                repair = add_checkout(repair, obstacle.name, launch.finder)
-            yield rule.finding(
-                "package",
-                at=at,
-                file=description.file,
-                package=obstacle.name,
-                near=near,
-                undeclared="" if package is None else " and package.xml does not depend on it",
-                repair=repair,
-            )
-        else:
-            yield build_unknown(
-                f"the submodule of package {obstacle.name!r} is not checked out"
-                if checkout
-                else f"package {obstacle.name!r} is not installed here",
-                repair=checkout or "install the package, or run urdfcheck on the model file",
-            )
+        yield _check_package(launch, rule, description, obstacle.name, at, build_unknown)
     elif obstacle.kind == "argument":
         yield from _check_argument(launch, rule, description, obstacle.name, at, build_unknown)
     elif obstacle.kind == "empty":  # like an argument without a default
         if not is_included_by_sibling(path):
             yield build_unknown(f"argument {obstacle.name!r} is empty")
+    elif obstacle.kind == "relative":
+        yield _build_relative_finding(rule, launch, at, obstacle.name, path)
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file" and (made := _describe_maker(obstacle.name, launch.finder)) is not None:
@@ -282,7 +314,9 @@ def _check_description(
         is_right = partial(makes_robot, finder=launch.finder)
         beside = _describe_neighbours(obstacle.name, launch.finder, is_right, is_expanded=description.uses_xacro)
         replaced = _find_replaced_default(launch, description.at, description.file)
-        yield rule.finding("file-default" if replaced else "file", at=at, path=obstacle.name, **beside, **replaced)
+        value = _describe_deciding_values(launch, description.at, description.file)
+        message = "file-default" if replaced else "file"
+        yield rule.finding(message, at=at, path=obstacle.name, value=value, **beside, **replaced)
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
     elif obstacle.kind == "written":
@@ -290,6 +324,89 @@ def _check_description(
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
         yield build_unknown(f"computed by `{typed}`")
+
+
+def _check_package(
+    launch: Launch,
+    rule: Rule,
+    description: DescriptionSource,
+    name: str,
+    at: Location,
+    build_unknown: Callable[..., Finding],
+) -> Finding:
+    """Report a package that is not found in what a launch file loads."""
+    path = _find_launch_file(description, launch).absolute()
+    package = launch.finder.find_package_of(path)
+    checkout = propose_checkout(name, launch.finder)
+    if _is_in_rosbuild_package(description.file, launch.finder):
+        return build_unknown(f"rosbuild finds package {name!r} only in a folder of this name")
+    is_released = name in read_released_packages()
+    # Without a package.xml nothing can depend on it.
+    if (package is None and is_released) or (
+        package is not None and find_dependent(package, name, launch.finder) is not None
+    ):
+        return build_unknown(
+            f"the submodule of package {name!r} is not checked out"
+            if checkout
+            else f"package {name!r} is not installed here",
+            repair=checkout or "install the package, or run urdfcheck on the model file",
+        )
+    names = _suggest_packages(launch, description, name, package)
+    near = _format_suggestions(names)
+    declaration = describe_declaration(package, name, launch.finder, shown="it")
+    folder = _find_folder_without_manifest(name, path) if package is None else None
+    if folder is not None:
+        build = format_path(folder / "CMakeLists.txt")
+        near, repair = (
+            f" ({build} has this name, without a package.xml beside it)",
+            f"add a package.xml of this name beside {build}",
+        )
+    elif checkout:
+        near, repair = " (its submodule is not checked out)", f"{checkout}{declaration}"
+    elif is_released and not near:
+        # The file may be another robot's, copied as a beginning.
+        own = package is not None and _has_own_model(package)
+        repair = f"install it{declaration}"
+        repair += ", if that robot is meant; else name the model of this package" if own else ""
+    else:
+        place = "" if _have_file(names, description.file, launch.finder) else " and the path"
+        repair = f"correct the package name{place}{near}, or install it{declaration}"
+        repair = add_checkout(repair, name, launch.finder)
+    return rule.finding(
+        "package",
+        at=at,
+        file=description.file,
+        package=name,
+        near=near,
+        undeclared="" if package is None else " and package.xml does not depend on it",
+        repair=repair,
+    )
+
+
+def _find_folder_without_manifest(name: str, path: Path) -> Path | None:
+    """Return the folder around a file whose build gives it the name of a package: it is one as soon as it has a package.xml."""
+    project = re.compile(rf"(?im)^[ \t]*project[ \t]*\([ \t]*{re.escape(name)}[ \t)]")
+    top = find_project_folder(path)
+    folders = (folder for folder in path.parents if folder == top or top in folder.parents)
+    return next((f for f in folders if project.search(read_text_or_nothing(f / "CMakeLists.txt"))), None)
+
+
+def _build_relative_finding(rule: Rule, launch: Launch, at: Location, typed: str, file: Path) -> Finding:
+    """Report a path that is right for one who starts the launch file in its own folder."""
+    place = normalise_path(file.absolute().parent / typed)
+    package = launch.finder.find_package_of(file.absolute())
+    is_inside = package is not None and package.path in place.parents
+    find = "find" if launch.dialect == "ros1" else "find-pkg-share"
+    return rule.finding(
+        "relative",
+        at=at,
+        severity=Severity.WARNING,
+        path=typed,
+        folder=format_path(file.absolute().parent),
+        better=f"$({find} {package.name})/{place.relative_to(package.path).as_posix()}"
+        if package is not None and is_inside
+        else f"$(dirname)/{typed}",
+    )
 
 
 def _check_argument(
@@ -311,7 +428,18 @@ def _check_argument(
         yield build_unknown(f"{giver.name} passes argument {name!r}")
     else:
         near = format_name_hint(name, names)
-        yield rule.finding("argument", at=at, file=description.file, argument=name, near=near)
+        unless = _describe_command(launch, description.at, name)
+        # The whole path is to be said at launch: only the declaration is missing.
+        is_asked = bool(unless) and not near and _READ.fullmatch(description.file) is not None
+        yield rule.finding(
+            "argument",
+            at=at,
+            severity=Severity.WARNING if is_asked else None,
+            file=description.file,
+            argument=name,
+            near=near,
+            unless=unless,
+        )
 
 
 def _has_own_model(package: Package) -> bool:
@@ -386,6 +514,7 @@ def _check_python_launch(launch: Launch, python: PythonLaunch, rule: Rule, *, is
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,
             path=path,
+            value="",
             kind=_SRDF if path.lower().endswith(SRDF_SUFFIXES) else "model",
             **_describe_neighbours(
                 path,

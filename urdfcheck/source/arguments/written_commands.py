@@ -1,9 +1,11 @@
-"""Commands of xacro in the build files, scripts and texts of a package: they say what a model is expanded with. Nothing runs."""
+"""Commands of xacro and roslaunch in build files, scripts and texts: they say what a model is expanded with, or a launch file
+started with. Nothing runs."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
+from functools import lru_cache
 from itertools import islice
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.passed_arguments import PassedArgument
 from urdfcheck.source.package.finder import PackageFinder, format_path
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.xml import SourceFile
 from urdfcheck.system.files import read_regular, walk
 
@@ -20,6 +23,8 @@ _MOST_FILES, _MOST_FOLDERS, _LARGEST = 100, 1_000, 200_000
 _ENDINGS = ("CMakeLists.txt", ".cmake", ".sh", ".bash", ".test", ".md", ".rst", "Makefile")
 # What expands a file, before its name in a command.
 _PROGRAM = re.compile(r"(?<![\w/.-])xacro(?:\.py)?(?![\w/.:=-])|\bxacro_add_\w+")
+# What starts a launch file.
+_STARTER = re.compile(r"(?<![\w/.-])(?:roslaunch|rostest|ros2[ \t]+launch)(?![\w/.:=-])")
 # A value that is typed as it is.
 _ASSIGNED = re.compile(
     r"""(?<![\w.:/-])([A-Za-z_][\w.-]*):=(?:"([^"$<>{}\n]*)"|'([^'$<>{}\n]*)'|([\w./+-]+)(?![\w$<{(]))"""
@@ -49,13 +54,26 @@ def list_arguments_of_commands(model: Path, finder: PackageFinder) -> list[froze
     return [frozenset(_NAME.findall(file.text, begin, end)) for file, begin, end in commands]
 
 
+def find_starting_command(launch: Path, argument: str, finder: PackageFinder) -> Path | None:
+    """Find a file of the project with a command that starts a launch file and passes it an argument."""
+    files = _list_files(find_project_folder(launch.absolute()), finder)
+    commands = _iter_commands_in(files, launch, _STARTER)
+    return next((file.path for file, begin, end in commands if argument in _NAME.findall(file.text, begin, end)), None)
+
+
 def _iter_commands(model: Path, finder: PackageFinder) -> Iterator[tuple[SourceFile, int, int]]:
     """Yield the files with commands that expand a model, with the begin and the end of what follows its name."""
     package = finder.find_package_of(model.absolute())
-    if package is None:
-        return
-    name = compile_names((model.name,))
-    for path in islice(_iter_files(package.path, finder), _MOST_FILES):
+    if package is not None:
+        yield from _iter_commands_in(islice(_iter_files(package.path, finder), _MOST_FILES), model, _PROGRAM)
+
+
+def _iter_commands_in(
+    files: Iterable[Path], named: Path, program: re.Pattern[str]
+) -> Iterator[tuple[SourceFile, int, int]]:
+    """Yield those of the files with commands of a program that name one, with the begin and the end of what follows its name."""
+    name = compile_names((named.name,))
+    for path in files:
         try:
             text = read_regular(path, _LARGEST).decode("utf-8", "replace")
         except OSError:
@@ -64,10 +82,15 @@ def _iter_commands(model: Path, finder: PackageFinder) -> Iterator[tuple[SourceF
         file = SourceFile(path, format_path(path), text=text)
         for match in name.finditer(text):
             starts = [b.end() for b in border.finditer(text, max(0, match.start() - _LONGEST), match.start())]
-            if not _PROGRAM.search(text, starts[-1] if starts else 0, match.start()):
+            if not program.search(text, starts[-1] if starts else 0, match.start()):
                 continue
             end = border.search(text, match.end(), match.end() + _LONGEST)
             yield file, match.end(), match.end() + _LONGEST if end is None else end.start()
+
+
+@lru_cache(maxsize=1)  # each unknown argument of a project asks
+def _list_files(folder: Path, finder: PackageFinder) -> tuple[Path, ...]:
+    return tuple(islice(_iter_files(folder, finder), _MOST_FILES))
 
 
 def _iter_files(package: Path, finder: PackageFinder) -> Iterator[Path]:

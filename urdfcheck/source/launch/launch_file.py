@@ -491,6 +491,8 @@ def _make_description(
         empty = resolver.find_empty_argument(file) if _has_no_name(resolved or "") else None
         if empty is not None:
             unresolved = UnresolvedReason("empty", empty)
+        elif not path.is_absolute() and _is_beside(path, resolver):
+            unresolved = UnresolvedReason("relative", path.as_posix())
         elif allowed or not path.is_absolute():
             unresolved = UnresolvedReason("file", format_path(path))
         elif path.parts[1:2] and path.parts[1] in _WRITTEN_FOLDERS:
@@ -499,6 +501,12 @@ def _make_description(
     return DescriptionSource(
         at=at, words=words, file=file, path=path, arguments=dict(arguments or {}), unresolved=unresolved
     )
+
+
+def _is_beside(path: Path, resolver: SubstitutionResolver) -> bool:
+    """Whether a relative path leads to a file from the folder of the launch file."""
+    place = resolver.path.absolute().parent / path
+    return resolver.finder.can_open(place) and place.is_file()
 
 
 def _has_no_name(path: str) -> bool:

@@ -89,6 +89,7 @@ def describe_unresolved(obstacle: UnresolvedReason) -> str:
         "argument": f"argument {obstacle.name} has no value",
         "empty": f"argument {obstacle.name} is empty",
         "file": f"{obstacle.name} does not exist",
+        "relative": f"{obstacle.name} depends on the current folder",
         "circle": "the arguments refer to each other",
     }.get(obstacle.kind, "only known when it is launched")
 

@@ -45,6 +45,7 @@ class UnresolvedReason:
 
     ``kind``: package (``name`` is not found) | argument (``name`` has no value) |
     empty (``name``, which is to be the name of a file, is empty) | file (the path ``name`` does not exist) |
+    relative (the path ``name`` leads to a file only from the folder of the launch file) |
     written (the path ``name`` is where programs and the setup of a computer write files, and may not be opened) |
     circle (the arguments refer to each other) | launch-time (the substitution ``name`` is only known at launch).
     """
