@@ -258,6 +258,18 @@ def test_controllers_that_are_loaded_with_another_model_are_not_this_one_s(
     assert bool(check(root / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
 
 
+@pytest.mark.parametrize(("models", "reported"), [("cart_{n}wheels.urdf", False), ("cart.urdf", True)])
+def test_controllers_of_a_variant_are_loaded_with_its_model(tmp_path: Path, models: str, reported: bool) -> None:
+    launch = f"""def load(n):\n    return f'urdf/{models}', f'config/controllers_{{n}}wheels.yaml'\n"""
+    files = {
+        "urdf/cart.urdf": make_cart(),
+        "config/controllers_3wheels.yaml": group("left_wheel", "rear_wheel"),
+        "launch/a.launch.py": launch,
+    }
+    root = package(tmp_path / "cart", files)
+    assert bool(check(root / "urdf" / "cart.urdf", codes={"CTL004"}).findings) == reported
+
+
 @pytest.mark.parametrize(
     ("body", "launch", "severity"),
     [
@@ -723,6 +735,41 @@ def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
 )
 def test_transmissions_of_other_readers_are_left_alone(tmp_path: Path, body: str) -> None:
     assert nesting(tmp_path, body + CLASSIC) == []
+
+
+@pytest.mark.parametrize(("interface", "message"), [("speed", "device"), ("position", "strange")])
+def test_an_entry_without_an_interface_of_a_joint_is_a_device(tmp_path: Path, interface: str, message: str) -> None:
+    """Deleting it would stop a fan that the hardware has."""
+    fan = f'<joint name="cooler"><command_interface name="{interface}"/><state_interface name="rpm"/></joint>'
+    body = control().replace("</ros2_control>", f"{fan}</ros2_control>")
+    (finding,) = find_in_cart(tmp_path, "", body, code="CTL001")
+    assert finding.message_id == f"ros2_control-{message}"
+    assert finding.fix is not None
+    assert ("<gpio>" in finding.fix.title) == (message == "device")
+
+
+@pytest.mark.parametrize(
+    ("joint", "launch", "severity"),
+    [
+        ("finger", "robot.xacro", Severity.INFO),
+        ("finger", "arm.xacro", Severity.ERROR),  # it is loaded alone too
+        ("thumb", "robot.xacro", Severity.ERROR),  # no file of the package has it
+    ],
+)
+def test_a_part_may_control_the_joints_of_the_robot_that_includes_it(
+    tmp_path: Path, joint: str, launch: str, severity: Severity
+) -> None:
+    block = control().replace("</ros2_control>", '<joint name="finger"/></ros2_control>')
+    hand = '<link name="tip"/><joint name="{}" type="fixed"><parent link="base"/><child link="tip"/></joint>'
+    include = '<xacro:include filename="arm.xacro"/>'
+    files = {
+        "urdf/arm.xacro": make_cart(block),
+        "urdf/robot.xacro": robot(include, hand.format(joint), name="whole", xacro=True),
+        "launch/a.launch": f'<launch><param name="a" command="xacro $(find cart)/urdf/{launch}"/></launch>',
+    }
+    root = package(tmp_path / "cart", files)
+    (finding,) = check(root / "urdf" / "arm.xacro", codes={"CTL001"}).findings
+    assert finding.severity == severity
 
 
 @pytest.mark.parametrize("yaml_name", ["left_wheel_joint", "left_wheel"])

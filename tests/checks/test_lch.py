@@ -1336,6 +1336,18 @@ def test_a_copy_in_a_folder_of_documents_is_not_started(
     assert bool(found) == (folder == "launch")
 
 
+@pytest.mark.parametrize(
+    ("folder", "severity"), [("launch", Severity.ERROR), ("Documentation/files", Severity.WARNING)]
+)
+def test_a_listing_in_a_folder_of_documents_loads_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, folder: str, severity: Severity
+) -> None:
+    (tmp_path / folder).mkdir(parents=True)
+    monkeypatch.chdir(tmp_path)
+    (finding,) = find_in_launch(tmp_path / folder, load("$(dirname)/gone.urdf"), "LCH001")
+    assert finding.severity == severity
+
+
 @pytest.mark.parametrize(("inside", "near"), [('<link name="a"/>', "arm.xacro"), ("", "")])
 def test_a_file_of_macros_is_not_proposed_as_a_model(tmp_path: Path, inside: str, near: str) -> None:
     macro = '<xacro:macro name="arm" params=""><link name="b"/></xacro:macro>'

@@ -59,6 +59,16 @@ def test_states_without_any_group_are_for_pinocchio(
     assert {f.message_id: f.severity for f in found} == expected
 
 
+@pytest.mark.parametrize(
+    ("depends", "severity"), [("moveit_ros_move_group", Severity.ERROR), ("pinocchio", Severity.WARNING)]
+)
+def test_groups_are_for_moveit(tmp_path: Path, depends: str, severity: Severity) -> None:
+    manifest = f'<package format="3"><name>arm</name><depend>{depends}</depend></package>'
+    (tmp_path / "package.xml").write_text(manifest)
+    (finding,) = find_with_srdf(tmp_path, f'{GROUP}<group_state name="home" group="legs"/>')
+    assert (finding.message_id, finding.severity) == ("group", severity)
+
+
 XACRO = 'xmlns:xacro="http://www.ros.org/wiki/xacro"'
 # A robot whose hand an argument chooses: the name of its joint is nowhere as it is.
 WITH_HAND = (

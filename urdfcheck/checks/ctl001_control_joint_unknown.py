@@ -17,6 +17,7 @@ from urdfcheck.core.text import (
 )
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
+from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
 from urdfcheck.source.text.xml import Attribute, Element
@@ -30,6 +31,10 @@ _AGREED = {
 # What becomes of a transmission that has a type only as an attribute, as the PR2's programs read it, and what it lacks.
 _SKIPPED = {"gazebo": "skips the transmission before it looks for the joint: it has no <type>"}
 _LACK = "; for gazebo_ros_control add a <type> too: it skips a transmission without one"
+# What the lines of each kind of block are called.
+_ENTRIES = {"ros2_control": "entries", "transmission": "transmissions"}
+# The interfaces of what moves.
+_MOTIONS = frozenset({"position", "velocity", "acceleration", "effort"})
 # Files that name the joints of a robot for controllers.
 _CONTROLLER_SUFFIXES = frozenset({".yaml", ".yml"})
 
@@ -41,6 +46,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         is_unread = tag == "transmission" and not reads_transmissions(model)
         told = (Severity.WARNING, UNREAD_TRANSMISSIONS) if is_unread else (None, None)
         foreign: list[Attribute] = []
+        devices: list[Attribute] = []
         skipped: list[bool] = []
         taken: set[str] = set()
         free = model.joint_by_name.keys() - _collect_named_joints(model, tag)
@@ -50,6 +56,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             for element in block.walk():
                 name = element.attributes.get("name")
                 if element.tag != "joint" or name is None or not name.value or name.value in model.joint_by_name:
+                    continue
+                if _is_device(element):
+                    devices.append(name)
                     continue
                 hint = format_name_hint(name.value, free)
                 if not hint:
@@ -82,6 +91,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     else "",
                     lack=_LACK if is_skipped else "",
                 )
+        if devices:
+            yield _build_device_finding(rule, devices)
         if foreign and tag == "ros2_control" and not model.joints:
             yield _build_lone_finding(rule, foreign)
         elif foreign:
@@ -95,10 +106,36 @@ def _has_type(block: Element) -> bool:
     return any(child.text.strip() for child in block.find_children("type"))
 
 
+def _is_device(joint: Element) -> bool:
+    """Whether an entry of ros2_control has interfaces, and none of a joint: it is a fan, a light or the like."""
+    kinds = {child.get("name").removesuffix("_pid") for child in joint.children if child.tag.endswith("_interface")}
+    return bool(kinds) and kinds.isdisjoint(_MOTIONS)
+
+
 def _find_other_robots(model: Model, name: Attribute) -> list[str]:
     """List the other files that include the one with a name: there it may be right."""
     span, via = name.span, name.location.via
     return find_other_includers(model.source, span.file) if span is not None and via else []
+
+
+def _find_robots_around(model: Model, name: Attribute) -> list[str]:
+    """List the other files that include the one with a name, or the nearest of those that call it which others include too."""
+    files = [name.span, *reversed(name.location.via)] if name.location.via else []
+    names = dict.fromkeys(span.file for span in files if span is not None)
+    return next(filter(None, (find_other_includers(model.source, file) for file in names)), [])
+
+
+def _find_whole_robots(model: Model, names: list[str]) -> list[str]:
+    """List the files that include the model, where other files of the package can have joints of these names, and no launch file
+    or other text of it names the model: what is checked then is a part."""
+    if not all(package_names(model).can_others_have("joint", name) for name in names):
+        return []
+    own = compile_names((model.source.path.name,))
+    if any(own.search(text) for _, text in iter_project_texts(model.source)):
+        return []
+    from urdfcheck.model.likeness.whole_models import list_including_robots  # loaded only for such a file
+
+    return sorted(path.name for path in list_including_robots(model))
 
 
 def _list_sharing_files(model: Model, name: Attribute, meant: str | None) -> list[str]:
@@ -171,6 +208,22 @@ def _build_lone_finding(rule: Rule, names: list[Attribute]) -> Finding:
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
 
 
+def _build_device_finding(rule: Rule, names: list[Attribute]) -> Finding:
+    """Report together the devices that are listed as joints."""
+    places = {name.span: name for name in names}
+    typed = list(dict.fromkeys(name.value for name in names))
+    finding = rule.finding(
+        "ros2_control-device",
+        at=names[0],
+        severity=Severity.WARNING,
+        related=list(places.values())[1:],
+        joints=join_names(typed),
+        which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
+        them="it" if len(typed) == 1 else "them",
+    )
+    return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
+
+
 def _build_foreign_finding(
     model: Model,
     rule: Rule,
@@ -184,17 +237,21 @@ def _build_foreign_finding(
     """Report together all names unlike any of the robot's: those of another robot, or of a part that is left out."""
     places = {name.span: name for name in names}
     typed = list(dict.fromkeys(name.value for name in names))
-    others = _find_other_robots(model, names[0])
+    others = _find_robots_around(model, names[0])
+    whole = [] if others else _find_whole_robots(model, typed)
     finding = rule.finding(
         f"{tag}-strange",
         # The numbers of a file that other robots include may be right for them.
         at=Location(names[0].location.subject, names[0].location.via[0]) if others else names[0],
-        severity=severity,
+        severity=Severity.INFO if whole else severity,
         consequences=consequences,
         related=[*names[0].collect_definitions(), *list(places.values())[1:]],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
-        repair=_describe_repair(model, tag, typed, left, others),
+        repair=f"nothing if this file is only loaded through {join_names(whole, 3)}, which may have the joints; otherwise "
+        f"move the {_ENTRIES[tag]} there"
+        if whole
+        else _describe_repair(model, tag, typed, left, others),
         lack=_LACK if consequences is _SKIPPED else "",
     )
     return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
@@ -208,7 +265,7 @@ def _describe_repair(model: Model, tag: str, names: list[str], left: list[str], 
     unfilled = UNFILLED.search(names[0])
     if unfilled is not None and all(map(UNFILLED.search, names)):
         return f"write ${unfilled[0]} instead of {unfilled[0]} where xacro expands the file; otherwise fill the template in"
-    entries = "transmissions" if tag == "transmission" else "entries"
+    entries = _ENTRIES[tag]
     respelled = _list_respelled(names, model.joint_by_name)
     blocks = _list_blocks_with(model, tag, respelled)
     if blocks:

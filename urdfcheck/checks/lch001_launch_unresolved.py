@@ -79,8 +79,11 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.is_kept_aside:
         return
+    is_listing = launch.is_in_documents and launch.package is None  # to be read, or copied into a package
     for found in _check_launch(context, rule):
         finding = found if launch.dialect == "ros1" else _say_for_ros2(found)
+        if is_listing:
+            finding = replace(finding, severity=min(finding.severity, Severity.WARNING))
         is_error = finding.severity > Severity.INFO
         yield replace(finding, **_LEFT_OVER) if launch.is_left_from_ros1 and is_error else finding
 

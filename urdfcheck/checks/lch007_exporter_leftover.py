@@ -3,25 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.static_transforms import get_executable
-from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.distributions import is_only_before_noetic
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
-
-_DOCUMENT_FOLDERS = frozenset({"doc", "docs", "documentation"})
 
 
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     # One that nothing starts is a left-over as a whole.
-    if launch.root is None or launch.is_left_over or _is_documentation(launch.path):
+    if launch.root is None or launch.is_left_over or launch.is_in_documents:
         return
     # The SolidWorks exporter writes another node of this name beside the one that is left over.
     is_exported = any(e.tag == "node" and e.get("name") == "tf_footprint_base" for e in launch.root.walk())
@@ -56,12 +52,6 @@ def _is_off(launch: Launch, param: Element) -> bool:
     typed = param.get("value")
     value = typed if launch.scope is None else launch.scope.resolver.resolve_value(typed)[0]
     return value is not None and value.strip().lower() in {"false", "0"}
-
-
-def _is_documentation(path: Path) -> bool:
-    """Whether a launch file is in a folder of documents of its project: a copy to read, which nothing starts."""
-    folders = Path(format_path(path)).parts[:-1]
-    return not _DOCUMENT_FOLDERS.isdisjoint(folder.lower() for folder in folders)
 
 
 def _classify_leftover(element: Element) -> str | None:

@@ -25,6 +25,7 @@ from urdfcheck.source.ros.srdf import (
 )
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.uses_elsewhere import iter_project_texts
 from urdfcheck.system.files import read_text_or_nothing
 
 # In a description that may be for a variant of the robot, a name this similar to an unused one is a misspelling of it. Left and
@@ -69,7 +70,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         srdfs.append(srdf)
         yield from _check_unknown_names(model, rule, srdf=srdf, missing=missing, elsewhere=elsewhere)
         if not missing or not has_derived_model(srdf, model.source):  # else they are reported for the derived model
-            yield from _check_unknown_groups(rule, srdf)
+            yield from _check_unknown_groups(model, rule, srdf)
             yield from _check_group_cycles(rule, srdf)
     for srdf in srdfs:
         yield from _check_chains(model, rule, srdf)
@@ -181,9 +182,19 @@ def _is_in_state(attribute: Attribute) -> bool:
     return "group_state" in {owner.tag, owner.parent.tag if owner.parent is not None else ""}
 
 
-def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
+def _is_for_moveit(model: Model, srdf: Srdf) -> bool:
+    """Whether a text of the packages of a robot and of a description names MoveIt, or neither is in a package.
+
+    Without it Pinocchio reads the description, which has no groups.
+    """
+    texts = [text for _, text in iter_project_texts(model.source, srdf.path)]
+    return not texts or any("moveit" in text.lower() for text in texts)
+
+
+def _check_unknown_groups(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Finding]:
     """Report names of groups that the description does not define."""
     reported: set[str] = set()
+    severity: Severity | None = None
     for use in _iter_group_uses(srdf):
         if use.name not in srdf.groups:
             known = srdf.groups if len(reported) < MAX_HINTS else ()
@@ -197,10 +208,13 @@ def _check_unknown_groups(rule: Rule, srdf: Srdf) -> Iterator[Finding]:
                     name=use.name,
                 )
                 continue
+            if len(reported) == 1:
+                severity = None if _is_for_moveit(model, srdf) else Severity.WARNING
             near = find_only_near_name(use.name, known)
             yield rule.finding(
                 "group",
                 at=use.attribute,
+                severity=severity,
                 edits=build_replacement_edits([use.attribute], near) if near is not None else (),
                 where=_describe_element(use.attribute.owner),
                 name=use.name,

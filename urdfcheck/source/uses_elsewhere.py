@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import field, replace
 from functools import lru_cache
 from pathlib import Path, PureWindowsPath
@@ -138,19 +138,10 @@ def find_other_includers(source: Source, name: str) -> list[str]:
     if source.package is None or name not in source.files or name == format_path(source.path):
         return []
     including = compile_includes([source.files[name].path.name])
-    found = []
-    for path in _iter_caller_files(source.package.path, deep=True):
-        if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
-            try:
-                text = (
-                    ""
-                    if format_path(path) in source.files
-                    else read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
-                )
-            except OSError:
-                continue
-            found += [path.name] if including.search(text) else []
-    return sorted(found)
+    texts = _read_including_texts(source)
+    return sorted(
+        path.name for path, text in texts.items() if format_path(path) not in source.files and including.search(text)
+    )
 
 
 def read_includers(source: Source) -> dict[str, str]:
@@ -158,17 +149,9 @@ def read_includers(source: Source) -> dict[str, str]:
 
     Nothing without a package.
     """
-    if source.package is None:
-        return {}
-    texts: dict[str, str] = {}
-    for path in _iter_caller_files(source.package.path, deep=True):
-        if path.suffix.lower() in _INCLUDED_SUFFIXES and path != source.path and source.finder.can_open(path):
-            try:
-                text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
-            except OSError:
-                continue
-            if "<xacro:include" in text:
-                texts[path.name] = text
+    own = os.path.realpath(source.path)
+    including_texts = _read_including_texts(source).items()
+    texts = {path.name: text for path, text in including_texts if os.path.realpath(path) != own}
     found: dict[str, str] = {}
     names = {source.path.name}
     while names:
@@ -177,6 +160,19 @@ def read_includers(source: Source) -> dict[str, str]:
         found |= new
         names = set(new)
     return found
+
+
+@lru_cache(maxsize=1)  # each unknown name asks
+def _read_including_texts(source: Source) -> Mapping[Path, str]:
+    """Return the files of the model's package that include others, with their texts. Nothing without a package."""
+    texts: dict[Path, str] = {}
+    folder = None if source.package is None else source.package.path
+    for path in () if folder is None else _iter_caller_files(folder, deep=True):
+        if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
+            text = read_text_or_nothing(path, _MAX_BYTES)
+            if "include" in text:
+                texts[path] = text
+    return texts
 
 
 def find_includer_of_namesake(source: Source, name: str) -> Path | None:

@@ -16,7 +16,7 @@ from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.values import parse_numbers
-from urdfcheck.source.text.xml import COMMENT
+from urdfcheck.source.text.xml import COMMENT, Element
 from urdfcheck.source.xacro.argument_values import read_included_trees
 from urdfcheck.system.files import read_regular, walk
 
@@ -60,6 +60,19 @@ def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
 
 def find_including_robot(model: Model, link: str) -> Path | None:
     """Return the robot file in reach that includes this one, itself or by way of others, and has a link of this name, or None."""
+    for path, trees in _iter_including_robots(model):
+        if link in {e.get("name") for tree in trees for e in tree.walk() if e.tag == "link"}:
+            return path
+    return None
+
+
+def list_including_robots(model: Model) -> list[Path]:
+    """List the robot files in reach that include this one, themselves or by way of others."""
+    return [path for path, _ in _iter_including_robots(model)]
+
+
+def _iter_including_robots(model: Model) -> Iterator[tuple[Path, list[Element]]]:
+    """Yield the robot files in reach that include this one, each with the trees of the files that it includes."""
     source = model.source
     texts: dict[Path, str] = {}
     for path in islice(_iter_robot_files(source, is_in_reach=True), _MOST_FILES):
@@ -79,11 +92,9 @@ def find_including_robot(model: Model, link: str) -> Path | None:
             trees = read_included_trees(path, source.finder)
             # A package beside it may have a file of the same name.
             files = {os.path.realpath(folder / Path(e.span.file).name) for e, folder in trees if e.span is not None}
-            spelled = {e.get("name") for tree, _ in trees for e in tree.walk() if e.tag == "link"}
-            if own in files and link in spelled:
-                return path
+            if own in files:
+                yield path, [tree for tree, _ in trees]
         names = {path.name for path in found}
-    return None
 
 
 def find_xincluding_file(model: Model) -> Path | None:

@@ -30,6 +30,7 @@ from urdfcheck.source.text.python import parse_python
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.system.files import read_text_or_nothing
 
+_DOCUMENT_FOLDERS = frozenset({"doc", "docs", "documentation"})
 # Limit on the launch files that one includes.
 MAX_INCLUDES = 64
 _COMMAND = re.compile(r"^\$\(command\s+(['\"])(.*?)\1\s*(?:['\"][a-z]+['\"]\s*)?\)$", re.DOTALL)
@@ -128,6 +129,12 @@ class Launch:
         if self.root is None or self.dialect != "ros1" or self.package is None:
             return False
         return is_only_of_ros2(self.package.root) and any(_ROS1_TEXT.search(file.text) for file in self.files.values())
+
+    @property
+    def is_in_documents(self) -> bool:
+        """Whether it is in a folder of documents of its project: a copy to read, which nothing starts."""
+        folders = Path(format_path(self.path)).parts[:-1]
+        return not _DOCUMENT_FOLDERS.isdisjoint(folder.lower() for folder in folders)
 
     @property
     def is_left_over(self) -> bool:

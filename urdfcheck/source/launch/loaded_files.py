@@ -25,6 +25,9 @@ from urdfcheck.system.files import read_text_or_nothing, walk
 # The name of a model's file, as far as it is typed: `.urdf.xacro` alone ends a computed name.
 _MODEL_NAME = re.compile(r"(?<![\w.-])[\w.-]*\.(?:urdf|xacro)\b")
 
+# The name of a file of which a variable is one part: `f"arm_{dof}dof.urdf"`.
+_NAME_WITH_VARIABLE = re.compile(r"(?<![\w.-])([\w.-]*)\{(\w+)\}([\w.-]*\.(?:ya?ml|urdf|xacro))\b")
+
 # What is typed of a computed name before the part that is computed: `"arm_" + kind`, `urdf/arm_$(arg kind)`, `f"arm_{kind}"`.
 _BEGIN_OF_NAME = re.compile(r"""(?<![\w.-])([\w.-]+)(?:["']\s*[+,]|\$\(|\{)""")
 
@@ -34,13 +37,29 @@ _INCLUDED = re.compile(r"""<xacro:include\s[^<>]*?filename=["']\$\(arg\s+([\w.-]
 
 def is_started_with_another(path: Path, model: Path, finder: PackageFinder) -> bool:
     """Whether launch files of the package of a file load it, and all of these name other models' files, not this model's."""
-    is_loaded = False
-    for _, text in _iter_launch_texts(path, finder):
-        names = set(_MODEL_NAME.findall(text))
+    is_loaded, named = False, compile_names((path.name,))
+    for _, text in _iter_package_launches(path, finder):
+        is_named = named.search(text) is not None
+        names = set(_MODEL_NAME.findall(text)) if is_named else _list_models_of_variant(path, text)
+        if not is_named and not names:
+            continue
         if not names or model.name in names or any(name.startswith(".") for name in names):
             return False
         is_loaded = True
     return is_loaded
+
+
+def _list_models_of_variant(path: Path, text: str) -> set[str]:
+    """Return the models that a launch file loads when a variable has the value with which it loads a file:
+    ``f"arm_{dof}dof.urdf"`` beside ``f"controllers_{dof}dof.yaml"``."""
+    computed = [match.groups() for match in _NAME_WITH_VARIABLE.finditer(text)]
+    values = {
+        (variable, path.name[len(begin) : -len(end)])
+        for begin, variable, end in computed
+        if path.name.startswith(begin) and path.name.endswith(end) and len(path.name) > len(begin) + len(end)
+    }
+    models = [parts for parts in computed if parts[2].endswith((".urdf", ".xacro"))]
+    return {begin + value + end for name, value in values for begin, variable, end in models if variable == name}
 
 
 def is_named_by_launch(path: Path, finder: PackageFinder) -> bool:
