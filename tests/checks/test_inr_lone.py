@@ -85,6 +85,15 @@ def test_the_unit_of_a_file_is_reported_once(tmp_path: Path, lone: tuple[float, 
     assert finding.data["explains"] == ["INR009 link[l2]"]
 
 
+@pytest.mark.parametrize(("last", "messages"), [(1e-5, set()), (2e-5, {"mass", "named"})])
+def test_a_mass_lighter_than_air_shows_no_unit_of_the_tensors(tmp_path: Path, last: float, messages: set[str]) -> None:
+    """Tensors that are those of the parts in plastic: they fit kg·cm² at masses of 0.01 g too. One mass for all is INR015's."""
+    parts = [replace(make_part(i), mass=1e-5 if i else last) for i in range(5)]
+    found = find(tmp_path, make_chain(parts), {"INR005", "INR009"})
+    assert {finding.message_id for finding in found} == messages
+    assert not any("cm²" in finding.message for finding in found)
+
+
 @pytest.mark.parametrize("is_habit", [True, False])
 def test_a_com_of_zero_is_compared_with_those_of_the_file(tmp_path: Path, is_habit: bool) -> None:
     numbers = []

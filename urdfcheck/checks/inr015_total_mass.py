@@ -12,7 +12,7 @@ from urdfcheck.facts.inertials.materials import is_part_density
 from urdfcheck.facts.inertials.placeholders import ONSHAPE_UNKNOWN, is_round
 from urdfcheck.model import Model
 from urdfcheck.model.parts import has_drawn_shape
-from urdfcheck.model.rigid_bodies import compute_body_mass, list_whole_bodies
+from urdfcheck.model.rigid_bodies import compute_body_mass, has_one_round_mass, list_whole_bodies
 from urdfcheck.model.use.display import is_made_for_display, is_never_weighed
 
 # Osmium, the densest material at room pressure (kg/m³).
@@ -49,7 +49,7 @@ def check(
     # A mesh that was not read may be larger than what is seen of the robot, but not in a robot of a hundred tonnes.
     if total > DENSEST * edge**3 and (is_seen or total > most):
         yield _build_density_finding(model, rule, total=total, edge=edge)
-    elif total < least and len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0]):
+    elif total < least and has_one_round_mass(model):
         if not (_has_frames_only(model) or is_made_for_display(model)):
             yield _build_placeholder_finding(model, rule, masses[0])
     elif _is_one_mass(model, masses):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.inertials.placeholders import is_round
 from urdfcheck.facts.small_matrices import (
     Matrix,
     Vector,
@@ -228,3 +229,10 @@ def _find_two_heaviest(model: Model, links: tuple[str, ...]) -> tuple[str, ...]:
 def _get_link_mass(model: Model, link: str) -> float:
     inertial = model.link_by_name[link].inertial
     return 0.0 if inertial is None else inertial.mass or 0.0
+
+
+@fact
+def has_one_round_mass(model: Model) -> bool:
+    """Whether one round number is the mass of every link that has one: typed for all of them, it is that of none."""
+    masses = [declared.mass for declared in model.masses if declared.mass > 0]
+    return len(masses) > 1 and len(set(masses)) == 1 and is_round(masses[0])

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from urdfcheck.facts.inertials.materials import DENSEST_PART
+from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -59,10 +59,11 @@ def describe_unknown_mass(mass: float) -> str:
     return f"write the mass of the part ({shown} stands for none{writer})"
 
 
-def is_unknown_mass(mass: float, tensor: Array, solid: Solid) -> bool:
+def is_unknown_mass(mass: float, tensor: Array, solid: Solid, *, is_of_all: bool = False) -> bool:
     """Whether a ``mass`` (kg) is a placeholder that does not show what the ``tensor`` (3, 3) in kg m² should be, which is one
-    that the drawn ``solid`` can have at its real mass."""
-    if not _stands_for_none(mass):
+    that the drawn ``solid`` can have at its real mass. ``is_of_all``: one round number is the mass of every link; where no
+    material makes the solid so light, it stands for none too."""
+    if not _stands_for_none(mass) and not (is_of_all and mass < LIGHTEST * solid.volume):
         return False
     from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia  # loads numpy
 

@@ -21,7 +21,12 @@ from urdfcheck.facts.inertials.materials import DENSEST
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_unknown_mass
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.inertia_diagnosis import DiagnosedInertial, inertial_diagnoses
-from urdfcheck.model.rigid_bodies import compute_body_inertia, compute_body_mass, compute_body_tensor
+from urdfcheck.model.rigid_bodies import (
+    compute_body_inertia,
+    compute_body_mass,
+    compute_body_tensor,
+    has_one_round_mass,
+)
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
@@ -266,7 +271,7 @@ def is_box_of_one_shape(model: Model, link: Link, declared: DeclaredInertial) ->
 def has_unknown_mass(model: Model, link: Link, mass: float, tensor: Mat3) -> bool:
     """Whether the mass (kg) of a link is a placeholder, which is the mistake (INR012, INR015), and not its ``tensor`` (3, 3)."""
     drawn = measure_link_geometry(model, link)
-    return drawn is not None and is_unknown_mass(mass, tensor, drawn.solid)
+    return drawn is not None and is_unknown_mass(mass, tensor, drawn.solid, is_of_all=has_one_round_mass(model))
 
 
 def is_hull_enough(model: Model, link: Link, judged: DiagnosedInertial, *, far: float) -> bool:

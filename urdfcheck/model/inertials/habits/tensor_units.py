@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from urdfcheck.core.records import dataclass
+from urdfcheck.facts.inertials.materials import LIGHTEST
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.habits.measured_tensors import MeasuredTensor, measure_tensors
 from urdfcheck.model.robot import Model
+from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 
 # kg·m² in one unit that a tensor is written in by mistake, from programs that calculate in grams or in smaller lengths.
 TENSOR_UNITS = {"kg·cm²": 1e-4, "kg·mm²": 1e-6, "g·m²": 1e-3, "g·cm²": 1e-7, "g·mm²": 1e-9}
@@ -40,8 +42,8 @@ class TensorUnit:
 @fact
 def find_tensor_unit(model: Model) -> TensorUnit | None:
     """Find the unit in which most tensors of a file are those of what their links draw; None where there is none, or a link fits
-    kg·m²."""
-    measured = measure_tensors(model)
+    kg·m². A part that no material makes so light shows none: its mass is the wrong number, and some unit fits any mass."""
+    measured = [one for one in measure_tensors(model) if not _is_air(model, one)]
     different = {one.key: one for one in measured}.values()
     if any(_fits(one, 1.0) for one in different):
         return None
@@ -56,6 +58,11 @@ def is_unit_possible(model: Model, factor: float) -> bool:
     """Whether no link of a file speaks against a unit of ``factor`` kg·m²: none fits kg·m², or some other unit."""
     others = (1.0, *(value for value in TENSOR_UNITS.values() if value != factor))
     return not any(_fits(one, other) for one in measure_tensors(model) for other in others)
+
+
+def _is_air(model: Model, one: MeasuredTensor) -> bool:
+    drawn = measure_link_geometry(model, one.link)
+    return drawn is not None and one.mass < LIGHTEST * drawn.solid.volume
 
 
 def _fits(one: MeasuredTensor, factor: float) -> bool:
