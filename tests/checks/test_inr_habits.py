@@ -79,6 +79,18 @@ def test_moments_about_other_axes_are_no_rotors(tmp_path: Path, about: tuple[str
     assert "rotor" not in {finding.message_id for finding in found}
 
 
+@pytest.mark.parametrize(("second", "is_rotor"), [(0.0012, True), (0.0013, False)])
+def test_one_number_added_to_the_moments_about_the_axes_of_all_joints_is_a_rotor(
+    tmp_path: Path, second: float, is_rotor: bool
+) -> None:
+    """All joints have one axis, and copies leave two tensors: what both have more about that axis is the same number."""
+    moments = [(0.0001, 0.0001, 0.0011), (0.0002, 0.0002, second)]
+    numbers = [DeclaredInertial(0.2, np.array((0.0, 0.0, 0.05)), np.diag(moments[i % 2])) for i in range(5)]
+    found = find(tmp_path, make_chain(numbers, ("0 0 1",) * 5, drawn=False), "INR003")
+    assert found
+    assert all((finding.message_id == "rotor") == is_rotor for finding in found)
+
+
 def slip_izz(count: int) -> list[DeclaredInertial]:
     """One joint axis, so that nothing else explains the numbers."""
     return [
