@@ -180,6 +180,20 @@ def test_a_drawing_that_no_material_fills_is_no_model(tmp_path: Path) -> None:
     assert "ixx" not in finding.fix.title
 
 
+@pytest.mark.parametrize(
+    ("numbers", "is_shown"),
+    [({"ixy": "0.01", "ixz": "0.1", "iyz": "0.01", "izz": "0.1"}, False), ({"izz": "0.3"}, True)],
+)
+def test_numbers_of_one_digit_with_products_have_no_nearest_tensor(
+    tmp_path: Path, numbers: dict[str, str], is_shown: bool
+) -> None:
+    """A product as large as the moments is not rounded but wrong, and nothing shows which number is right."""
+    text = arm_on_base(inertial("30", "0.1", **numbers))
+    (finding,) = find(tmp_path, text, {"INR003"})
+    assert finding.fix is not None
+    assert ("the nearest possible" in finding.fix.title) == is_shown
+
+
 def test_an_impossible_tensor_beyond_the_drawn_size_gets_no_nearest_one(tmp_path: Path) -> None:
     """A scanner of 0.2 kg whose moments are those of something ten times as wide; the body that it is fixed to hides that."""
     scanner = inertial(0.2, ixx="0.0528", iyy="0.0202", izz="0.0235")

@@ -100,11 +100,11 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
     is_near = (
         change < _LARGEST_CHANGE and not is_unlike_drawn(model, declared) and not has_drawn_moment(model, declared)
     )
-    if is_rounded and (is_near or not is_drawn_otherwise(model, declared)):
-        # A product of one digit rounds so many tensors that it shows no cause: it may be in the wrong place.
-        has_products = any(declared.components[i] for i in _PRODUCTS)
-        cause = "digits" if is_near or not has_products or is_drawn_and_rounded(model, declared) else None
-        return propose_nearest(declared, cause, digits=typed.typed_digits + _MORE_DIGITS)
+    # A product of one digit rounds so many tensors that it shows no cause: it may be in the wrong place.
+    has_products = any(declared.components[i] for i in _PRODUCTS)
+    is_from_afar = not has_products and not is_drawn_otherwise(model, declared)
+    if is_rounded and (is_near or is_from_afar or is_drawn_and_rounded(model, declared)):
+        return propose_nearest(declared, "digits", digits=typed.typed_digits + _MORE_DIGITS)
     if is_near:
         return propose_nearest(declared, None)
     return propose_drawn_inertial(model, link, describe_zero_moments(declared))
