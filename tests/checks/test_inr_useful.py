@@ -255,6 +255,27 @@ def test_frames_without_mass_join_the_list_of_links_without_mass(tmp_path: Path)
     assert {f.message_id for f in find(tmp_path / "b", robot(*links, *joints), "INR002")} == {"zero"}
 
 
+@pytest.mark.parametrize(
+    ("mass", "count", "more", "severity"),
+    [
+        (0, 4, "", Severity.WARNING),
+        (0, 4, "<gazebo/>", Severity.ERROR),
+        (0, 3, "", Severity.ERROR),
+        (1, 4, "", Severity.ERROR),
+    ],
+)
+def test_a_drawing_whose_masses_are_all_zero_needs_none(
+    tmp_path: Path, mass: float, count: int, more: str, severity: Severity
+) -> None:
+    """Without simulator; a robot of which one link has a mass is meant to have masses."""
+    names = ["base", *(f"arm{i}" for i in range(1, count))]
+    numbers = [inertial(mass, mass), *[inertial(0, 0)] * (count - 1)]
+    links = [link(name, one, visual(box("0.1 0.1 0.1"))) for name, one in zip(names, numbers, strict=True)]
+    joints = [joint(f"j{child}", "base", child, kind="continuous") for child in names[1:]]
+    found = [f for f in find(tmp_path, robot(*links, *joints, more), "INR002") if f.message_id == "zero"]
+    assert {finding.severity for finding in found} == {severity}
+
+
 @pytest.mark.parametrize(("child", "light"), [(0.004, True), (0.006, False)])
 def test_a_shaft_on_a_vehicle_is_a_part(tmp_path: Path, child: float, light: bool) -> None:
     text = arm_on_base(inertial(child, 1e-6), base=inertial(1500, 300))

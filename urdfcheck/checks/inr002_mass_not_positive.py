@@ -11,7 +11,8 @@ from urdfcheck.model import DeclaredMass, Link, Model
 from urdfcheck.model.rigid_bodies import compute_body_mass, find_merged_body, is_world_link
 from urdfcheck.model.stated_reasons import is_called_massless
 from urdfcheck.model.use.project_texts import list_project_texts
-from urdfcheck.model.use.simulators import has_elements, is_simulated_hardware
+from urdfcheck.model.use.simulators import has_elements, is_simulated, is_simulated_hardware
+from urdfcheck.policy.consumers import SIMULATORS
 
 # MuJoCo's mjMINVAL: programs treat less as zero.
 ZERO = 1e-15
@@ -41,6 +42,8 @@ NAN = "computes NaN accelerations: the joint moves no mass (Drake stops with an 
 SEVERITIES = {"root": Severity.INFO, "loose": Severity.WARNING}
 # An inertia below this share of the body's smallest moment changes it by less than the cable of a part does (as in INR005).
 _FELT = 0.02
+# So many zeros for all links of a robot were written by a program, or for none of the masses (chosen).
+_FEWEST = 4
 # Programs that lose a body without mass, or refuse it, whatever hangs on it, as files name them.
 _LOSING = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|mujoco|isaac", re.IGNORECASE)
 _WRITE = "write the mass; if the link only marks a frame, remove its <inertial> or set the inertia to 0 too"
@@ -77,7 +80,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         # One list: a program that refuses the file does so for either.
         kinds = [(declared, "zero" if kind == "loose" else kind) for declared, kind in kinds]
     severities = SEVERITIES
-    if _are_joining_frames(model, [one.link for one, kind in kinds if kind == "zero"], carrying):
+    zeros = [one.link for one, kind in kinds if kind == "zero"]
+    if _is_weightless(model, massless) or _are_joining_frames(model, zeros, carrying):
         severities = {**SEVERITIES, "zero": Severity.WARNING}
     for declared, kind in kinds:
         if kind != "helper":
@@ -115,6 +119,14 @@ def _classify_massless_link(model: Model, link: Link) -> str:
     if model.tree.is_movable_link(link.name):
         return "zero" if drawn or carries else "loose"
     return "root" if drawn or carries else "helper"
+
+
+def _is_weightless(model: Model, massless: Sequence[DeclaredMass]) -> bool:
+    """Whether no link has a mass, and nothing known simulates the robot: a drawing whose zeros stand for what INR001 would not
+    report as an error if it were missing."""
+    drawn = {link.name for link in model.links if link.visuals or link.collisions}
+    is_of_all = len(massless) == len(model.masses) >= _FEWEST and drawn <= {one.link.name for one in massless}
+    return is_of_all and not SIMULATORS.intersection(model.targets) and not is_simulated(model)
 
 
 def _are_joining_frames(model: Model, links: Sequence[Link], carrying: AbstractSet[str]) -> bool:
