@@ -69,6 +69,14 @@ def test_one_of_lower_and_upper_is_enough(tmp_path: Path) -> None:
     assert not find(tmp_path, make_three_links(make_joint('<limit lower="-1" effort="1" velocity="1"/>')), "JNT004")
 
 
+@pytest.mark.parametrize("second", ['<limit lower="-1" upper="1" effort="1" velocity="1"/>', '<limit effort="2"/>'])
+def test_a_range_in_another_limit_of_the_joint_is_not_missing(tmp_path: Path, second: str) -> None:
+    """The first `<limit>` is what is left over then, and not short of a range: XML006 says so."""
+    text = make_three_links(make_joint('<limit effort="1" velocity="1"/>' + second))
+    codes = [finding.code for finding in find(tmp_path, text, {"JNT004", "XML006"})]
+    assert sorted(codes) == (["XML006"] if "lower" in second else ["JNT004", "XML006"])
+
+
 def test_continuous_joints_need_no_limit(tmp_path: Path) -> None:
     assert not find(tmp_path, make_three_links(make_joint(kind="continuous")), "JNT004")
 
@@ -1269,5 +1277,5 @@ def test_limits_in_child_elements_refuse_the_file_or_lock_the_joint(tmp_path: Pa
     assert "cannot move" in full.message
     assert "refuses" not in full.consequences["urdfdom"]
     (empty,) = find(tmp_path, make_three_links(make_joint('<limit effort="1"/>')), "JNT004")
-    assert "locked" not in empty.headline
+    assert "no range" not in empty.headline
     assert "lacks velocity" in empty.consequences["urdfdom"]

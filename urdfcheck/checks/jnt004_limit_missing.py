@@ -24,12 +24,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         limit = joint.limit
         if limit is None:
             yield rule.finding("wheel-missing" if is_revolute_wheel(joint) else "missing", at=joint, **data)
-        elif is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper"):
+        elif _lacks_range(limit) and all(map(_lacks_range, joint.element.find_children("limit"))):  # else XML006
             yield _build_range_finding(joint, limit, rule, data)
 
 
+def _lacks_range(limit: Element) -> bool:
+    return is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper")
+
+
 def _build_range_finding(joint: Joint, limit: Element, rule: Rule, data: dict[str, Any]) -> Finding:
-    """Report a limit without a range; where urdfdom refuses it for something else too, no joint is locked."""
+    """Report a limit without a range; where urdfdom refuses it for something else too, no joint is left without a range."""
     typed = list_attributes_as_children(limit)
     is_range = any(child.tag in {"lower", "upper"} for child in typed)
     is_wheel = is_revolute_wheel(joint)
@@ -43,8 +47,8 @@ def _build_range_finding(joint: Joint, limit: Element, rule: Rule, data: dict[st
         **data,
         tags=join_names(f"<{child.tag}>" for child in typed),
         written=" ".join(f'{child.tag}="{child.text.strip()}"' for child in typed),
-        state="" if lacking else " is locked",
+        state="" if lacking else " has no range",
         result=f"a limit without {lacking} makes urdfdom refuse the file"
         if lacking
-        else f"the {'wheel cannot turn' if is_wheel else 'joint cannot move'}",
+        else f"the {'wheel cannot turn' if is_wheel else 'joint cannot move'} where a program applies them",
     )
