@@ -180,6 +180,16 @@ def test_a_drawing_that_no_material_fills_is_no_model(tmp_path: Path) -> None:
     assert "ixx" not in finding.fix.title
 
 
+@pytest.mark.parametrize(("com", "start"), [("0 0 1", "compute"), ("0 0 0", "write"), ("0 0 0.01", "write")])
+def test_a_primitive_far_from_the_com_that_was_typed_marks_the_link(tmp_path: Path, com: str, start: str) -> None:
+    """The weight of a pendulum is at its end, and not where the bar is drawn: the bar's numbers are only to compare with."""
+    text = arm_on_base(inertial(10, com=com, ixx="0", iyy="10", izz="0.083"), visual(box("0.1 0.1 1")))
+    (finding,) = find(tmp_path, text, {"INR003"})
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(start)
+    assert ("; for comparison: " in finding.fix.title) == (start == "compute")
+
+
 @pytest.mark.parametrize(
     ("numbers", "is_shown"),
     [({"ixy": "0.01", "ixz": "0.1", "iyz": "0.01", "izz": "0.1"}, False), ({"izz": "0.3"}, True)],

@@ -88,12 +88,19 @@ def describe_possible_inertial(model: Model, link: Link) -> str:
 
 def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> InertialProposal:
     """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where it may not be that of
-    the part, or where both sides have one COM that is not the drawn part's."""
+    the part, or where both sides have one COM that is not the drawn part's, or where primitives are drawn in another place than
+    the COM that was typed: they may mark where the link is, not where its mass is."""
     drawn = describe_possible_inertial(model, link)
-    is_of_body = not (has_com_apart(model, link) and has_com_of_twin(model, link))
-    if drawn and is_of_body and draws_part(model, link):
+    is_elsewhere = has_com_apart(model, link) and (has_com_of_twin(model, link) or _draws_mark(link))
+    if drawn and not is_elsewhere and draws_part(model, link):
         return InertialProposal(message=message, remedy=f"write {drawn}, or ")
     return InertialProposal(message=message, comparison=format_comparison(drawn))
+
+
+def _draws_mark(link: Link) -> bool:
+    """Whether a link with a COM that was typed draws primitives only."""
+    xyz = None if link.inertial is None else link.inertial.origin.xyz
+    return xyz is not None and any(xyz) and all(shape.kind != "mesh" for shape in link.visuals)
 
 
 def draws_part(model: Model, link: Link) -> bool:
