@@ -423,6 +423,7 @@ def test_a_mesh_in_the_wrong_unit_is_not_mended_in_the_inertial(tmp_path: Path) 
     assert finding.cause is not None
     assert finding.cause.text.startswith("The numbers fit a part 0.001 times as large as drawn")
     assert finding.fix is not None
+    assert 'scale="1 1 1"' in finding.fix.title  # 1000 as written, by 0.001
     assert not finding.fix.edits
 
 

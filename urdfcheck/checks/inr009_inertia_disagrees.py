@@ -581,8 +581,19 @@ def _build_cause_finding(
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         beside=f"so they do with {_NO_RPY}" if is_straight else "no other single edit brings them so near",
         straight=f", or {_NO_RPY}, whichever is meant" if is_straight else "",
+        scale=_describe_scale(link, diagnosis.detail) if message == "mesh_scale" else "",
         **data,
     )
+
+
+def _describe_scale(link: Link, times: str) -> str:
+    """Say which scale makes what a link draws so many ``times`` as large: that of its unit, where no single one is written."""
+    scales = {shape.size for shape in link.visuals or link.collisions if shape.kind == "mesh"}
+    written = scales.pop() if len(scales) == 1 else None
+    if written is None or len(set(written)) != 1:
+        return 'the scale of its unit (scale="0.001 0.001 0.001" for millimetres)'
+    wanted = f"{float(times) * written[0]:.4g}"
+    return f'scale="{wanted} {wanted} {wanted}"'
 
 
 def _spell_repair(repair: InertialRepair, *, has_edits: bool) -> str:
