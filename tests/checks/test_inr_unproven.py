@@ -173,6 +173,24 @@ def test_numbers_for_one_call_of_a_macro_are_not_for_its_line(tmp_path: Path) ->
     assert "as the result of the call at robot.urdf.xacro:3" in finding.fix.title
 
 
+def test_numbers_of_one_link_in_a_yaml_file_are_written_there(tmp_path: Path) -> None:
+    rows = {"right": "0.00417, 0.00833, 0.0108", "wrong": "0.0123, 0.0254, 0.156"}
+    lines = [f"{name}: {{xx: {x}, yy: {y}, zz: {z}}}" for name, row in rows.items() for x, y, z in [row.split(", ")]]
+    (tmp_path / "numbers.yaml").write_text("\n".join(lines) + "\n")
+    tensor = "".join(f" {axis}=\"${{all[name]['{axis[1:]}']}}\"" for axis in ("ixx", "iyy", "izz"))
+    macro = (
+        '<xacro:macro name="arm" params="name"><link name="${name}"><inertial><mass value="1"/>'
+        f'<inertia{tensor} ixy="0" ixz="0" iyz="0"/></inertial>{visual(box("0.3 0.2 0.1"))}</link>'
+        f"{joint('j${name}', 'base', '${name}', kind='continuous')}</xacro:macro>"
+    )
+    load = '<xacro:property name="all" value="${xacro.load_yaml(\'numbers.yaml\')}"/>'
+    text = robot(load, macro, link("base"), *(f'<xacro:arm name="{name}"/>' for name in rows), xacro=True)
+    finding = one(tmp_path, text, "INR003", "robot.urdf.xacro")
+    assert finding.fix is not None
+    assert " in numbers.yaml:2" in finding.fix.title
+    assert "as the result of the call" not in finding.fix.title
+
+
 def test_a_com_for_one_call_of_a_macro_is_not_for_the_other_side(tmp_path: Path) -> None:
     arm = (
         '<xacro:macro name="arm" params="side y">'

@@ -19,6 +19,8 @@ from urdfcheck.source.text.xml import Attribute
 
 # COMs (m) that meshes of one part show as the same.
 _SAME_COM = 1e-4
+# Files of numbers that xacro reads.
+_DATA = frozenset({".yaml", ".yml"})
 
 
 @fact
@@ -34,8 +36,8 @@ def links_by_inertial_text(model: Model) -> Mapping[Span | None, Sequence[Link]]
 def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
     """Say what the numbers of a repair are, where they cannot stand at the place that it changes.
 
-    They are the result of a macro call, where the same text makes other links that need other numbers, or that of a formula.
-    Empty elsewhere."""
+    They are the result of a macro call, where the same text makes other links that need other numbers, or that of a formula, or
+    stand in a file of numbers that the macro reads. Empty elsewhere."""
     inertial = link.inertial
     tensor = None if inertial is None else inertial.tensor_element
     if inertial is None or tensor is None:
@@ -58,6 +60,10 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
     ]
     if made is None or not others or not made.location.via:
         return " as the result of the formula" if any(map(is_computed_from_lengths, places)) else ""
+    typed = [value.span for place in places if (value := find_typed_value(place)) is not None]
+    if len(typed) == len(places) > 0 and {PurePath(span.file).suffix for span in typed} <= _DATA:
+        first = min(typed, key=lambda span: (span.file, span.line))
+        return f" in {PurePath(first.file).name}:{first.line}"
     shared = {span for other in others for span in other.location.via}
     call = next((span for span in reversed(made.location.via) if span not in shared), made.location.via[-1])
     return f" as the result of the call at {PurePath(call.file).name}:{call.line}"
