@@ -146,6 +146,7 @@ def test_products_that_were_filled_in(texts: list[str], detail: str | None) -> N
     [
         (["0.000637", "0.000484569", "0.000424", "0.000929", "5e-06", "0.000484569"], "ixy repeats izz"),
         (["4.8457e-4", "0.000424", "-4.8457e-4", "0.000929", "5e-06", "0.0004"], "ixz repeats ixx"),
+        (["-0.1891", "-0.0", "-0.0", "0.0", "0.1891", "0.0"], None),
         (["0.01", "0.01", "0.003", "0.02", "0", "0.01"], None),  # a round number may stand twice
         (["0.1234", "0.01", "0.003", "0.1234", "0", "0.01"], None),  # two moments of a body of revolution
     ],

@@ -65,12 +65,14 @@ def find_filled_products(components: Sequence[float], texts: Sequence[str]) -> T
 
 
 def find_repeated_slot(texts: Sequence[str]) -> TensorSlip | None:
-    """Find a product that repeats a moment digit for digit."""
+    """Find a product that repeats a moment digit for digit. A negative moment is wrong in another way, as that of a tensor which
+    was turned from one side only."""
     words = [text.strip().lstrip("+-") for text in texts]
     for i in _PRODUCTS:
         digits = words[i].lower().partition("e")[0].replace(".", "").strip("0")
         for j in _MOMENTS:
-            if len(digits) >= _TELLING_DIGITS and words[i] == words[j]:
+            is_negative = texts[j].strip().startswith("-")
+            if len(digits) >= _TELLING_DIGITS and words[i] == words[j] and not is_negative:
                 return TensorSlip(id="slot_repeated", detail=f"{NAMES[i]} repeats {NAMES[j]}", components=None)
     return None
 
