@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from urdfcheck import check
+from urdfcheck.core.text import COMPUTED_NUMBERS
+from urdfcheck.policy.fix_safety import lead_to_xacro
 from urdfcheck.source.load import read_xacro_source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.similar_files import find_files_elsewhere
@@ -65,3 +68,17 @@ def test_a_repair_leads_to_the_file_that_xacro_made_it_from(tmp_path: Path, sour
     led = f"{typed.fix.title} (xacro generated this file from ../xacro/robot.xacro: "
     assert made.fix.title.startswith(led) == is_led
     assert bool(made.fix.edits) != is_led
+
+
+@pytest.mark.parametrize(("count", "words"), [(1, "→"), (7, "the numbers that a check of the other file shows")])
+def test_a_repair_that_loses_its_edits_spells_the_numbers(tmp_path: Path, count: int, words: str) -> None:
+    (tmp_path / "r.urdf").write_text(BODY.format(""))
+    (finding,) = check([str(tmp_path / "r.urdf")], select=["JNT002"]).findings
+    assert finding.fix is not None
+    assert finding.location.span is not None
+    edits = finding.fix.edits * count
+    told = replace(finding, fix=replace(finding.fix, title=f"write {COMPUTED_NUMBERS}, or measure", edits=edits))
+    led = lead_to_xacro(told, {finding.location.span.file: "r.xacro"})
+    assert led.fix is not None
+    assert words in led.fix.title
+    assert COMPUTED_NUMBERS not in led.fix.title

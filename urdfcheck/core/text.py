@@ -12,6 +12,8 @@ from collections.abc import Collection, Iterable, Mapping
 SLIP_LIKENESS = 0.85
 # What stands in a proposed command in place of a value that nobody but the user knows.
 TO_FILL_IN = "…"
+# How a repair names the numbers that its edits write.
+COMPUTED_NUMBERS = "the computed numbers"
 _SIDES = frozenset({"l", "left", "r", "right"})
 # From so many times on, a share is told as a factor.
 _MANY_TIMES = 10

@@ -12,10 +12,12 @@ from collections.abc import Set as AbstractSet
 from dataclasses import replace
 
 from urdfcheck.core import Applicability, Edit, Finding, Fix, Span
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import COMPUTED_NUMBERS, join_names
 from urdfcheck.source.text.handed_values import find_typed_value
 from urdfcheck.source.text.xml import Attribute, Element
 
+# The six numbers of a tensor.
+_MOST_SPELLED = 6
 # Rule and edit: findings about left and right ask for the same one.
 _Wish = tuple[str, Edit]
 
@@ -58,7 +60,16 @@ def lead_to_xacro(finding: Finding, sources: Mapping[str, str]) -> Finding:
     if fix is None or span is None or span.file not in sources:
         return finding
     here = f"xacro generated this file from {sources[span.file]}: edit that if it is wrong too, and generate again"
-    return replace(finding, fix=Fix(f"{fix.title} ({here})"))
+    title = fix.title.replace(COMPUTED_NUMBERS, _spell_numbers(fix.edits))
+    return replace(finding, fix=Fix(f"{title} ({here})"))
+
+
+def _spell_numbers(edits: Sequence[Edit]) -> str:
+    """Return what edits write in place of what, for a repair that loses them; of many, where they are seen."""
+    if len(edits) > _MOST_SPELLED:
+        return "the numbers that a check of the other file shows"
+    ordered = sorted(edits, key=lambda edit: edit.span.start)
+    return ", ".join(f"{edit.expected.strip()} → {edit.replacement.strip()}" for edit in ordered)
 
 
 def _get_edit_key(finding: Finding, edit: Edit) -> tuple[str, str, Edit]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from urdfcheck.core import Edit
 from urdfcheck.core.records import dataclass
+from urdfcheck.core.text import COMPUTED_NUMBERS
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.engine_floors import is_refused_by_mujoco
 from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, check_inertia_validity
@@ -47,7 +48,7 @@ class InertialRepair:
         Edits of values that a macro hands on are withdrawn where others read the values too, so these are spelled.
         """
         is_sure = self.edits and all(isinstance(place, Attribute) and place.literal for place in self.places)
-        return "the computed numbers" if is_sure and len(self.places) > _MOST_SPELLED else self.text + self.where
+        return COMPUTED_NUMBERS if is_sure and len(self.places) > _MOST_SPELLED else self.text + self.where
 
 
 def have_one_text(places: Iterable[Attribute | Element | None], inertial: Inertial, other: Inertial) -> bool:

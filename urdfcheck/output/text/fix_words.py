@@ -7,13 +7,14 @@ from collections.abc import Sequence
 
 from rich.text import Text
 
+from urdfcheck.core.text import COMPUTED_NUMBERS
 from urdfcheck.output.shared.diffs import LineChange
 from urdfcheck.output.text.lines import wrap_text
 
 # What the words and the changed lines both give: ``write ixy="0" ixz="0"``.
 _WRITTEN = re.compile(r"""\bwrite (?:`?[\w:.-]+="[^"]*"`?(?:,? and |, | )?)+(?<![ ,])""")
 _VALUES = re.compile(r"""[\w:.-]+="[^"]*\"""")
-_NUMBERS = re.compile(r"\bthe computed numbers\b")
+_NUMBERS = re.compile(rf"\b{COMPUTED_NUMBERS}\b")
 # Longer texts come from attacks; each end is looked at.
 _LONGEST = 600
 # Words that belong to the next.

@@ -37,7 +37,7 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
     """Say what the numbers of a repair are, where they cannot stand at the place that it changes.
 
     They are the result of a macro call, where the same text makes other links that need other numbers, or that of a formula, or
-    stand in a file of numbers that the macro reads. Empty elsewhere."""
+    are typed in a file of numbers that the macro reads. Empty elsewhere."""
     inertial = link.inertial
     tensor = None if inertial is None else inertial.tensor_element
     if inertial is None or tensor is None:
