@@ -572,7 +572,7 @@ def _describe_repair(
 
 
 def _describe_absolute_path(package: str, uses: Iterable[ResourceUse], source: Source) -> str:
-    """Say what to write before a path that xacro computes from the root of the disk (``package://${folder}/a.stl``); else nothing."""
+    """Say what to write before a path that xacro computes from the root (``package://${folder}/a.stl``); else nothing."""
     paths = [] if package else [Path("/", get_path_in_package(use.resource.text, "")) for use in uses]
     is_computed = not any(use.attribute.literal for use in uses)
     if not paths or not is_computed or not all(source.finder.can_open(p) and os.path.isfile(p) for p in paths):

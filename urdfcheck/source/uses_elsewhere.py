@@ -29,7 +29,7 @@ from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
-from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
