@@ -680,6 +680,17 @@ def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision
     )
 
 
+def test_a_sensor_that_is_to_watch_a_merged_link_without_a_collision_does_not_get_the_one_around_it(
+    tmp_path: Path,
+) -> None:
+    contact = sensor("contact", "<contact><collision>base_fixed_joint_lump__foot_collision_1</collision></contact>")
+    body = '<link name="foot"/>' + make_link("base", 1.0, "") + fixed("j", "base", "foot")
+    (finding,) = find(tmp_path, robot(body + block("base", contact)), "GZB004")
+    assert finding.fix is not None
+    assert not finding.fix.edits
+    assert finding.fix.title.startswith("give foot a <collision>")
+
+
 @pytest.mark.parametrize(("reference", "expected"), [("base", ["GZB004"]), ("laser", ["GZB001"])])
 def test_a_sensor_in_a_block_without_effect_is_left_to_that_block(
     tmp_path: Path, reference: str, expected: list[str]
@@ -1224,6 +1235,15 @@ def test_a_plugin_of_classic_shows_that_sensors_of_one_name_are_loaded(tmp_path:
     (finding,) = find(tmp_path, robot(ARM, sonar * 3), "GZB004")
     assert (finding.message_id, finding.severity) == ("shared", Severity.INFO)
     assert finding.message == "a has 3 sensors named range; they share one topic"
+
+
+@pytest.mark.parametrize(("name", "severity"), [("Thruster_1", Severity.INFO), ("axis_1", Severity.WARNING)])
+def test_a_thruster_may_be_fixed(tmp_path: Path, name: str, severity: Severity) -> None:
+    fixed = f'<link name="plate"/><joint name="{name}" type="fixed"><parent link="base"/><child link="plate"/></joint>'
+    inner = f'<joint name="{name}"><command_interface name="effort"/></joint>'
+    blocks = f'<ros2_control name="c" type="system">{inner}</ros2_control>'
+    (finding,) = (f for f in find(tmp_path, robot(ARM + fixed, blocks), "CTL002") if f.message_id == "fixed")
+    assert finding.severity == severity
 
 
 def test_blocks_with_the_names_of_fixed_joints_may_be_for_those_that_move(tmp_path: Path) -> None:

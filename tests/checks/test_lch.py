@@ -664,6 +664,18 @@ def test_a_file_is_not_proposed_to_itself(tmp_path: Path) -> None:
     assert "did you mean" not in finding.message
 
 
+@pytest.mark.parametrize(("items", "missing"), [("small large", 0), ("small", 1)])
+def test_a_build_may_write_a_model_for_each_of_a_list(tmp_path: Path, items: str, missing: int) -> None:
+    build = (
+        f'foreach(KIND IN ITEMS {items})\n  set(OUT "${{CMAKE_CURRENT_BINARY_DIR}}/urdf/${{KIND}}.urdf")\n'
+        '  add_custom_command(OUTPUT ${OUT} COMMAND xacro car.xacro "kind:=${KIND}" > ${OUT})\nendforeach()\n'
+    )
+    (tmp_path / "car").mkdir()
+    (tmp_path / "car" / "CMakeLists.txt").write_text(build)
+    found = find_in_package(tmp_path, load("$(find car)/urdf/large.urdf"), "LCH001")
+    assert sum(finding.message_id == "file" for finding in found) == missing
+
+
 @pytest.mark.parametrize(
     ("file", "text", "known"),
     [

@@ -30,6 +30,8 @@ _CLASSIC = "gazebo_ros2_control/"
 _PUBLISHES = re.compile(r"joint_?state_?publisher", re.IGNORECASE)
 # Joints without motors, by their names.
 _PASSIVE = re.compile(r"cast[eo]r|swivel|passive", re.IGNORECASE)
+# Joints at which hardware makes a force, by their names: a thruster need not turn in the model.
+_THRUSTER = re.compile(r"thrust|propell", re.IGNORECASE)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -176,6 +178,7 @@ def _build_fixed_finding(model: Model, rule: Rule, what: str, elements: Sequence
     words = _collect_control_words(model)
     # The joints that move may have other names than the blocks that are for them.
     moving = [joint.name for joint in model.joints if joint.type in _DRIVABLE and joint.name not in words]
+    is_of_thrusters = what == "command interface" and all(_THRUSTER.search(joint.name) for joint in joints)
     others = (
         f"name the joints that move there ({join_names(moving)} have no drive), or "
         if len(moving) >= len(joints)
@@ -184,13 +187,15 @@ def _build_fixed_finding(model: Model, rule: Rule, what: str, elements: Sequence
     finding = rule.finding(
         "fixed",
         at=elements[0],
-        severity=Severity.WARNING,
+        severity=Severity.INFO if is_of_thrusters else Severity.WARNING,
         related=[*elements[1:], *joints],
         joints=join_names(joint.name for joint in joints),
         count="1 fixed joint has" if len(joints) == 1 else f"{len(joints)} fixed joints have",
         what=what,
         verb="is fixed and cannot move, but has" if len(joints) == 1 else "are fixed and cannot move, but have",
-        repair=f"if the joint is to move, change its type; otherwise leave out its {what}"
+        repair="nothing if the hardware makes a force there and nothing turns; otherwise change the type"
+        if is_of_thrusters
+        else f"if the joint is to move, change its type; otherwise leave out its {what}"
         if len(joints) == 1
         else f"{others}change the types of the joints that are to move, and leave out the {what}s of the others",
     )

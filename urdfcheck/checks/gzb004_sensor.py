@@ -112,15 +112,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             continue  # GZB001 and GZB003 report the block that does not keep the link
         element, names, files = unknown.element, unknown.candidates, model.source.files
         other = _find_other_link(model, unknown)
+        bare = _find_bare_link(model, unknown)
         is_shared = len({u.sensor.reference for u in unknowns if u.element.span == element.span}) > 1
         yield rule.finding(
             "collision",
             at=locate_content(element, files),
-            edits=edit_content(element, names[0], files) if len(names) == 1 and other is None and not is_shared else (),
+            edits=edit_content(element, names[0], files)
+            if len(names) == 1 and other is None and bare is None and not is_shared
+            else (),
             sensor=unknown.sensor.name,
             collision=unknown.name,
             body=unknown.body,
-            repair=_SHARED_NAME if is_shared else _describe_collision_repair(unknown, other),
+            repair=_SHARED_NAME if is_shared else _describe_collision_repair(unknown, other, bare),
         )
 
 
@@ -400,7 +403,9 @@ def _is_meant_to_be_kept(model: Model, link: str, reduction: FixedJointReduction
     return False
 
 
-def _describe_collision_repair(unknown: _UnknownCollision, other: str | None) -> str:
+def _describe_collision_repair(unknown: _UnknownCollision, other: str | None, bare: str | None) -> str:
+    if bare is not None:
+        return f"give {bare} a <collision>: it has none, and Gazebo would give one of it a name such as {unknown.name}"
     if other is not None:
         return f"move the sensor into the block of {other}, and write the SDF name of its collision there"
     if len(unknown.candidates) > 1:
@@ -409,6 +414,13 @@ def _describe_collision_repair(unknown: _UnknownCollision, other: str | None) ->
     if unknown.candidates:
         return f"write the SDF name of this link's collision: {unknown.candidates[0]}"
     return f"give {unknown.sensor.reference} a collision, or move the sensor to the link that has it"
+
+
+def _find_bare_link(model: Model, unknown: _UnknownCollision) -> str | None:
+    """Find the link without collisions that is in the name of a merged one: ``base_fixed_joint_lump__LINK_collision``."""
+    begin, found, rest = unknown.name.partition("_fixed_joint_lump__")
+    link = model.link_by_name.get(rest.partition("_collision")[0])
+    return link.name if begin == unknown.body and found and link is not None and not link.collisions else None
 
 
 def _find_other_link(model: Model, unknown: _UnknownCollision) -> str | None:

@@ -13,6 +13,7 @@ import re
 from collections.abc import Collection, Iterable, Iterator, Sequence
 from pathlib import Path
 
+from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.python_texts import PythonTexts, find_call_argument, get_function_name
 from urdfcheck.source.package.cmake_installs import parse_commands, read_cmake_installs
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
@@ -54,10 +55,11 @@ _WRITING_METHODS = frozenset({"write_bytes", "write_text"})
 def find_maker(path: Path, package: Path, reach: FileReach) -> Path | None:
     """Return the script or build file of a package that writes a missing model with xacro, under its name or a computed one.
 
-    A name that is computed whole may be any: then the package has a xacro file of the missing one's name. So it has where its
-    build hands that file to a function.
+    A name that is computed whole may be any: then the package has a xacro file of the missing one's name, or the text types that
+    name as a word and computes names of its kind. So the package has where its build hands that file to a function.
     """
-    stem = path.name.partition(".")[0]
+    stem, _, suffix = path.name.partition(".")
+    word, computed = compile_names((stem,)), f"}}.{suffix}"
     sources = [
         name
         for _, _, files in walk(package)
@@ -73,6 +75,8 @@ def find_maker(path: Path, package: Path, reach: FileReach) -> Path | None:
         written = [name for name, pattern in patterns.items() if fnmatch.fnmatchcase(path.name, pattern)]
         is_added = any(f"{path.name}{_XACRO}" in added for added in _XACRO_ADDED.findall(text))
         if is_added or any(_FILLED_IN.sub("", name).partition(".")[0] for name in written):
+            return file
+        if written and computed in text and word.search(text):
             return file
         if sources and (written or (file == package / _CMAKE and _is_handed_on(sources, text, package, reach))):
             return file
