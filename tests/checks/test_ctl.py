@@ -772,6 +772,32 @@ def test_a_part_may_control_the_joints_of_the_robot_that_includes_it(
     assert finding.severity == severity
 
 
+@pytest.mark.parametrize("with_manifest", [True, False])
+def test_names_of_a_file_that_others_include_by_way_of_one_may_be_right_for_them(
+    tmp_path: Path, with_manifest: bool
+) -> None:
+    include = '<xacro:include filename="{}"/>'
+    block = control().replace(
+        "</ros2_control>", '<joint name="finger"><param name="a">1</param></joint></ros2_control>'
+    )
+    macro = f'<xacro:macro name="driven" params="">{block}</xacro:macro>'
+    files = {
+        "control.xacro": robot(macro, xacro=True),
+        "arm.xacro": robot(include.format("control.xacro"), "<xacro:driven/>", xacro=True),
+        "alone.urdf.xacro": make_cart(include.format("arm.xacro")),
+        "with_hand.urdf.xacro": make_cart(include.format("arm.xacro")),
+    }
+    (tmp_path / "cart" / ".git").mkdir(parents=True)
+    root = package(tmp_path / "cart", files)
+    if not with_manifest:
+        (root / "package.xml").unlink()
+    (finding,) = check(root / "alone.urdf.xacro", codes={"CTL001"}).findings
+    assert finding.location.span is not None
+    assert finding.location.span.file.endswith("alone.urdf.xacro")
+    assert finding.fix is not None
+    assert finding.fix.title.endswith("they may be right for with_hand.urdf.xacro")
+
+
 @pytest.mark.parametrize("yaml_name", ["left_wheel_joint", "left_wheel"])
 def test_a_name_that_the_controllers_share_is_not_the_odd_one(tmp_path: Path, yaml_name: str) -> None:
     """A joint that was renamed in the robot alone: the edit would take the interface from the controllers."""

@@ -132,10 +132,11 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
 
 def find_other_includers(source: Source, name: str) -> list[str]:
     """Find the files of the model's package that include a file of the model and are not part of the model, by their names.
+    Without a package, those of its project.
 
-    ``name`` is the file's name in findings. Nothing where the model has no package, or the file is the model's own.
+    ``name`` is the file's name in findings. Nothing where the file is the model's own.
     """
-    if source.package is None or name not in source.files or name == format_path(source.path):
+    if name not in source.files or name == format_path(source.path):
         return []
     including = compile_includes([source.files[name].path.name])
     texts = _read_including_texts(source)
@@ -149,6 +150,8 @@ def read_includers(source: Source) -> dict[str, str]:
 
     Nothing without a package.
     """
+    if source.package is None:
+        return {}
     own = os.path.realpath(source.path)
     including_texts = _read_including_texts(source).items()
     texts = {path.name: text for path, text in including_texts if os.path.realpath(path) != own}
@@ -164,10 +167,10 @@ def read_includers(source: Source) -> dict[str, str]:
 
 @lru_cache(maxsize=1)  # each unknown name asks
 def _read_including_texts(source: Source) -> Mapping[Path, str]:
-    """Return the files of the model's package that include others, with their texts. Nothing without a package."""
+    """Return the files of the model's package, or of its project without one, that include others, with their texts."""
     texts: dict[Path, str] = {}
-    folder = None if source.package is None else source.package.path
-    for path in () if folder is None else _iter_caller_files(folder, deep=True):
+    folder = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
+    for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
         if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
             text = read_text_or_nothing(path, _MAX_BYTES)
             if "include" in text:
