@@ -825,7 +825,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
     elif package is not None and (origin or (is_unexplained and may_be_built(path, package.path, MODEL_SUFFIXES))):
         repair = f"build {package.name} first, which may make the file; if it does not, {correction}"
     data: dict[str, Any] = {"file": format_path(path), "hint": near, "repair": repair}
-    data["origin"] = "" if origin is None else format_path(origin)
+    data |= {} if origin is None else {"origin": format_path(origin)}
     if failure.expression:
         return _build_report_at_expression(failure, "file-missing", **data)
     return _build_report(failure, "file-missing", **data)
