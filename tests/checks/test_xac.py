@@ -1418,22 +1418,22 @@ def test_a_value_without_its_prefix_takes_no_link_from_a_robot(
 
 
 @pytest.mark.parametrize(
-    ("text", "message"),
+    ("text", "message", "severity"),
     [
-        ("", "dead"),
-        ("<link name='${a}'/>", "halted"),
+        ("", "dead", Severity.INFO),
+        ("<link name='${a}'/>", "halted", Severity.ERROR),
         # The file that is not read may use it.
-        ("<xacro:include filename='other.xacro'/>", "halted"),
-        ("<xacro:include filename='$(arg which).xacro'/>", "halted"),
-        ("<wheel name='a'/>", "halted"),
+        ("<xacro:include filename='other.xacro'/>", "halted", Severity.WARNING),
+        ("<xacro:include filename='$(arg which).xacro'/>", "halted", Severity.WARNING),
+        ("<wheel name='a'/>", "halted", Severity.ERROR),
     ],
 )
 def test_a_value_that_nothing_reads_is_an_info_where_xacro_stops_elsewhere(
-    tmp_path: Path, text: str, message: str
+    tmp_path: Path, text: str, message: str, severity: Severity
 ) -> None:
     stopping = "<link name='${lost}'/>"
     found = xacro(tmp_path, f'<property name="a" value="1"/>{WHEEL}{stopping}{text}', {"XAC007"})
-    assert [f.message_id for f in found.findings if f.code == "XAC007"] == [message]
+    assert [(f.message_id, f.severity) for f in found.findings if f.code == "XAC007"] == [(message, severity)]
 
 
 def test_the_call_that_makes_links_is_named_before_the_rest(tmp_path: Path) -> None:

@@ -227,7 +227,9 @@ def _find_message(source: Source, elements: Sequence[Element]) -> tuple[str, Sev
         return ("plain", Severity.WARNING) if made else ("left", Severity.INFO)
     is_dead = not made and all(_is_dead(source, element) for element in elements)
     if source.root is None:
-        return ("dead", Severity.INFO) if is_dead and _has_read_all(source) else ("halted", None)
+        if is_dead and _has_read_all(source):
+            return "dead", Severity.INFO
+        return "halted", Severity.WARNING if is_dead else None  # only a file that was not read may need it
     if made:
         return ("unprefixed", None) if _is_reached(source, made) else ("unreached", Severity.WARNING)
     return ("dead", Severity.INFO) if is_dead else ("value", Severity.WARNING)
