@@ -2198,6 +2198,38 @@ def test_a_macro_may_be_in_another_version_of_the_package_with_its_file(tmp_path
     assert finding.fix.title.startswith(start) == (package == "camera")
 
 
+@pytest.mark.parametrize("is_included", [True, False])
+def test_a_macro_that_another_defines_is_gone_behind_the_call(tmp_path: Path, is_included: bool) -> None:
+    inner = '<xacro:macro name="lens" params=""><link name="lens"/></xacro:macro>'
+    write(tmp_path, {"lens.xacro": f"{HEAD}{inner}</robot>"})
+    made = '<xacro:include filename="lens.xacro"/>' if is_included else inner
+    text = f'<xacro:macro name="eye" params="">{made}<link name="eye"/></xacro:macro><xacro:eye/><xacro:lens/>'
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.message_id == "macro-local"
+    assert finding.headline == "macro lens is only defined inside macro eye"
+    assert finding.fix is not None
+    assert finding.fix.title == (
+        "include lens.xacro before this line, outside any macro"
+        if is_included
+        else "move the definition of lens out of it, above this call"
+    )
+
+
+def test_a_file_of_macros_that_includes_one_that_was_read_may_be_included_too(tmp_path: Path) -> None:
+    include = '<xacro:include filename="colours.xacro"/>'
+    eye = '<xacro:macro name="{0}" params=""><link name="{0}"/></xacro:macro></robot>'
+    files = {
+        "package.xml": "<package><name>p</name></package>",
+        "colours.xacro": HEAD + '<material name="red"/></robot>',
+        "left.xacro": HEAD + include + eye.format("left"),
+        "right.xacro": HEAD + include + eye.format("right"),
+        "eyes.urdf.xacro": HEAD + '<xacro:include filename="left.xacro"/><xacro:left/><xacro:right/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "eyes.urdf.xacro", codes={"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == ("include right.xacro, which defines the macro, before this line, or correct the name")
+
+
 def test_another_robot_that_includes_the_part_is_not_to_be_included_in_it(tmp_path: Path) -> None:
     size, part = '<xacro:property name="size" value="1"/>', '<xacro:include filename="part.xacro"/>'
     files = {

@@ -374,6 +374,8 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     conditions = find_conditions(failure.source.trees, name, failure.problem.location.span, "xacro:macro")
     if conditions:
         return _explain_conditional_macro(failure, name, conditions)
+    if name in known and (inside := _find_macro_that_defines(failure, known[name].element)) is not None:
+        return _explain_local_macro(failure, name, known[name].element, inside)
     defining = _find_defining_files(failure.source, name, read_defined_macros)
     repair = "include the file that defines the macro before this line, or delete the call if it is left over"
     renamed = None if near else _find_renamed_macro(failure, name)
@@ -412,6 +414,33 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
         else ", nor any other",
         repair=repair,
         defining=defining,
+    )
+
+
+def _find_macro_that_defines(failure: _ExpansionFailure, definition: Element) -> Element | None:
+    """Return the definition of a macro within another one, or else the include that reads its file, if that is within one: what
+    a call defines is gone where the call ends. None if it may be known outside."""
+    here, around = _find_macro_at(_find_failing_element(failure)), _find_macro_at(definition.parent)
+    if around is not None:
+        return None if around is here else definition
+    file = "" if definition.span is None else Path(definition.span.file).name
+    includes = iter_elements_by_tag(failure.source.trees, "xacro:include")
+    reading = [e for e in includes if e.get("filename").rpartition("/")[2] == file]
+    return reading[0] if reading and all(_find_macro_at(e) not in (None, here) for e in reading) else None
+
+
+def _explain_local_macro(failure: _ExpansionFailure, name: str, definition: Element, inside: Element) -> _FailureReport:
+    file = "" if definition.span is None else Path(definition.span.file).name
+    moved = f"move the definition of {name} out of it, above this call"
+    included = f"include {file} before this line, outside any macro"
+    outer = _find_macro_at(inside.parent)
+    return _build_report(
+        failure,
+        "macro-local",
+        extra=(definition.location, *(() if inside is definition else (inside.location,))),
+        name=name,
+        outer="" if outer is None else outer.get("name"),
+        repair=moved if inside is definition else included,
     )
 
 
@@ -602,8 +631,10 @@ def _find_defining_files(
     defined = read_defined(paths, source.finder)
     read = {Path(file).name for file in source.trees}
     found = {file for file, names in defined.items() if name in names and file not in read}
-    # What includes a file that was read is another robot, which that file cannot include.
-    including = compile_includes(read)
+    # What includes a file that makes links or joints is another robot, which that file cannot include.
+    including = compile_includes(
+        [source.path.name, *(Path(file).name for file, tree in source.trees.items() if has_parts(tree))]
+    )
     robots = {path.name for path in paths if path.name in found and including.search(read_text_or_nothing(path))}
     return sorted(found - robots) if len(found - robots) <= _MOST_PROPOSED else []
 
@@ -1213,10 +1244,15 @@ def _find_step(failure: _ExpansionFailure, name: str) -> Element | None:
 
 def _find_macro_around(failure: _ExpansionFailure) -> str:
     """Return the name of the macro in whose definition the problem is, or nothing."""
-    element = _find_failing_element(failure)
+    macro = _find_macro_at(_find_failing_element(failure))
+    return "" if macro is None else macro.get("name")
+
+
+def _find_macro_at(element: Element | None) -> Element | None:
+    """Return the innermost macro that an element is, or that is around it."""
     while element is not None and element.tag != "xacro:macro":
         element = element.parent
-    return "" if element is None else element.get("name")
+    return element
 
 
 def _locate_in_call(failure: _ExpansionFailure, location: Location) -> Location:
