@@ -124,6 +124,14 @@ def test_macro_that_is_defined_below_its_call_is_not_unknown(tmp_path: Path, tex
         assert [place.span.line for place in finding.related if place.span is not None] == [line]
 
 
+def test_other_macros_that_are_called_before_their_definitions_are_to_be_moved_too(tmp_path: Path) -> None:
+    macro = '<xacro:macro name="{0}" params=""><link name="{0}"/></xacro:macro>'
+    text = f"{macro.format('a')}<xacro:a/><xacro:b/><xacro:c/><xacro:c/>{macro.format('b')}{macro.format('c')}"
+    finding = only(xacro(tmp_path, text, {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title == "move the definition of b above this call, as those of c, which are called early too"
+
+
 def test_macro_may_call_one_that_is_defined_below_it(tmp_path: Path) -> None:
     finding = only(xacro(tmp_path, f"{CALLER}{CALLED}<xacro:hand/><xacro:thumb/>", {"XAC001"}))
     assert finding.data["name"] == "thumb"

@@ -367,7 +367,15 @@ def _explain_unknown_macro(failure: _ExpansionFailure, match: re.Match[str]) -> 
     later = _find_later_definition(failure, name)
     if later is not None:
         assert later.span is not None  # it was compared
-        return _build_report(failure, "macro-later", extra=(later.location,), name=name, line=later.span.line)
+        others = join_names(_list_macros_called_early(failure.source, later, name), 3)
+        return _build_report(
+            failure,
+            "macro-later",
+            extra=(later.location,),
+            name=name,
+            line=later.span.line,
+            others=f", as those of {others}, which are called early too" if others else "",
+        )
     known = collect_macros(failure.source.trees)
     near = find_nearest_name(name, known)
     extra = (known[near].element.location,) if near else ()
@@ -644,6 +652,21 @@ def _find_later_definition(failure: _ExpansionFailure, name: str) -> Element | N
     definitions = [e for e in iter_elements_by_tag(failure.source.trees, "xacro:macro") if e.get("name") == name]
     later = [e for e in definitions if _is_after_failure(failure, e)]
     return later[0] if later and len(later) == len(definitions) else None
+
+
+def _list_macros_called_early(source: Source, later: Element, name: str) -> list[str]:
+    """List the other macros that the file of a definition calls, outside macros and conditions, before it defines them."""
+    tree = None if later.span is None else source.trees.get(later.span.file)
+    found: dict[str, None] = {}
+    defined: set[str] = set()
+    tops = [] if tree is None else tree.children
+    own = {top.get("name") for top in tops if top.tag == "xacro:macro"}
+    for top in tops:
+        if top.tag == "xacro:macro":
+            defined.add(top.get("name"))
+        elif (called := top.tag.removeprefix("xacro:")) != top.tag and called in own - defined - {name}:
+            found[called] = None
+    return list(found)
 
 
 def _is_after_failure(failure: _ExpansionFailure, element: Element) -> bool:
