@@ -532,8 +532,9 @@ def _get_last_part(path: ast.expr | None) -> ast.expr | None:
     if get_function_name(path) == "join":
         return path.args[-1]
     parts = path.args[0]
-    is_joined = get_function_name(path) == "PathJoinSubstitution" and isinstance(parts, (ast.List, ast.Tuple))
-    return parts.elts[-1] if is_joined and parts.elts else path
+    if get_function_name(path) == "PathJoinSubstitution" and isinstance(parts, (ast.List, ast.Tuple)) and parts.elts:
+        return parts.elts[-1]
+    return path
 
 
 def _list_paths(words: Sequence[str]) -> list[str]:
