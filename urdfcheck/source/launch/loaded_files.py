@@ -31,6 +31,12 @@ _NAME_WITH_VARIABLE = re.compile(r"(?<![\w.-])([\w.-]*)\{(\w+)\}([\w.-]*\.(?:ya?
 # What is typed of a computed name before the part that is computed: `"arm_" + kind`, `urdf/arm_$(arg kind)`, `f"arm_{kind}"`.
 _BEGIN_OF_NAME = re.compile(r"""(?<![\w.-])([\w.-]+)(?:["']\s*[+,]|\$\(|\{)""")
 
+# The parts of a command of xacro on the model that an argument names, and what ends such a command.
+_XACRO, _ANY_MODEL, _BORDERS = (
+    re.compile(r"xacro\b"),
+    re.compile(r"""\s['"]?\$\(arg [^()]*\)['"]?\s"""),
+    re.compile(r"[<>\n]"),
+)
 # An include of a file that an argument names as a whole.
 _INCLUDED = re.compile(r"""<xacro:include\s[^<>]*?filename=["']\$\(arg\s+([\w.-]+)\s*\)["']""")
 
@@ -124,10 +130,22 @@ def _iter_starting_launches(path: Path, name: str, finder: PackageFinder) -> Ite
     project = finder.find_project_above(folder) or folder
     if not finder.can_open(project):
         return
-    starts = re.compile(rf"""xacro\b[^<>\n]*\s['"]?\$\(arg [^()\n]*\)['"]?\s[^<>\n]*(?<![\w.-]){re.escape(name)}:=""")
     for launch in itertools.islice(iter_launch_files(project, finder), MOST_LAUNCHES):
-        if starts.search(_read_text(launch)) or (launch.suffix == ".py" and passes_to_any_model(launch, name, finder)):
+        is_python = launch.suffix == ".py"
+        if passes_to_any_model(launch, name, finder) if is_python else _starts_any_model(_read_text(launch), name):
             yield launch
+
+
+def _starts_any_model(text: str, name: str) -> bool:
+    """Whether a text has a command of xacro, in one line or tag, with an argument as the model and a value for another one."""
+    assigned = re.compile(rf"(?<![\w.-]){re.escape(name)}:=")
+    for line in _BORDERS.split(text):
+        # One search after the other: a pattern of all of them would search to the end of the line from each word.
+        command = _XACRO.search(line)
+        model = None if command is None else _ANY_MODEL.search(line, command.end())
+        if model is not None and assigned.search(line, model.end()):
+            return True
+    return False
 
 
 def _iter_launch_texts(path: Path, finder: PackageFinder) -> Iterator[tuple[Path, str]]:
