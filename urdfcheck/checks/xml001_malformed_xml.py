@@ -102,7 +102,6 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 error=problem.message,
                 repair=repair,
                 unless=_UNLESS_NEEDED if problem.data.get("definition") else "",
-                name=problem.data.get("name", ""),
             )
             # Every program loads the file, and only we do not read it.
             yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_harmless else finding

@@ -56,7 +56,10 @@ def _make_namespace_error(file: ParsedFile, error: expat.ExpatError) -> XmlError
                 prefix = name.partition(":")[2]
                 what = f"the prefix {prefix!r}" if prefix else "xmlns"
                 message = f"the address of {what} contains a blank or a line break"
-                return XmlError("address", message, attribute.span, data={"name": name})
+                repair = (
+                    f"write the address in one line and without blanks, or delete `{name}` if nothing has the prefix"
+                )
+                return XmlError("address", message, attribute.span, data={"repair": repair})
     at = file.source.locate_character(error.lineno, error.offset + 1)
     return XmlError("malformed", expat.ErrorString(error.code), at)
 
