@@ -59,6 +59,12 @@ class TestXML001:
         assert "permission" not in finding.fix.title
         assert set(finding.consequences) == {"xacro"}
 
+    def test_a_prefix_without_an_address_is_no_fault_of_the_file_name(self, tmp_path: Path) -> None:
+        address = 'xmlns:xacro="http://www.ros.org/wiki/xacro" xmlns:ctl=""'
+        (finding,) = findings(tmp_path, f'<robot name="r" {address}><link name="a"/></robot>', "XML001", "r.xacro")
+        assert finding.fix is not None
+        assert finding.fix.title.startswith("correct the declaration of the prefix")
+
     @pytest.mark.parametrize(
         ("text", "repair"),
         [

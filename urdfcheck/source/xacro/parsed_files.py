@@ -61,7 +61,8 @@ def _make_namespace_error(file: ParsedFile, error: expat.ExpatError) -> XmlError
                 )
                 return XmlError("address", message, attribute.span, data={"repair": repair})
     at = file.source.locate_character(error.lineno, error.offset + 1)
-    return XmlError("malformed", expat.ErrorString(error.code), at)
+    repair = "correct the declaration of the prefix: each is declared with an address, and `xml` and `xmlns` are taken"
+    return XmlError("malformed", expat.ErrorString(error.code), at, data={"repair": repair})
 
 
 # All that a parsed file is made of: the path, its name in findings, the codec, the declared encoding and the text.
