@@ -298,6 +298,17 @@ def test_a_camera_on_its_optical_frame_is_moved_before_the_frame_is_rotated(
 # -- XML003 ----------------------------------------------------------------------------------------------------------------
 
 
+def test_different_numbers_of_several_joints_are_alternatives(tmp_path: Path) -> None:
+    joints = "".join(
+        joint(f"j{n}", "a", f"b{n}", limit(-1, 1, effort=1000), f'<joint_properties damping="{n}"/>', kind="revolute")
+        for n in range(1, 6)
+    )
+    text = robot(link("a"), *(link(f"b{n}") for n in range(1, 6)), joints)
+    (finding,) = find(tmp_path, text, "XML003")
+    assert finding.fix is not None
+    assert "programs then use damping 1 or 2 or 3 or 2 other values." in finding.fix.title
+
+
 @pytest.mark.parametrize(
     ("properties", "words", "edits"),
     [

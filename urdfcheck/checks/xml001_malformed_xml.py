@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
@@ -98,7 +99,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 message,
                 at=location,
                 cause=cause,
-                file=source.name,
+                # A path out of reach is shown as the launch file that names it has it.
+                file=os.path.abspath(source.path) if problem.message == OUT_OF_REACH else source.name,
                 error=problem.message,
                 repair=repair,
                 unless=_UNLESS_NEEDED if problem.data.get("definition") else "",

@@ -109,6 +109,10 @@ DELETION = "delete it: <{parent}> already has a <{near}>"
 _UNLESS_RIGHT = ", or delete it"
 
 
+# So many different values of one attribute are listed.
+_MOST_VALUES = 3
+
+
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     unknown: dict[tuple[str, str], list[Element]] = {}
     for parent in iter_urdf_elements(model.robot):
@@ -330,12 +334,20 @@ def _find_stuck_joints(places: list[Element], model: Model) -> list[str]:
 def _list_values(places: list[Element], near: str) -> str:
     """Join the values that programs read of the element that is meant, and have not read so far, for the end of a repair."""
     moving = [place for place in places if not _is_in_fixed_joint(place)]
-    values: dict[str, None] = {}
+    values: dict[str, dict[str, None]] = {}
     read = NUMERIC_ATTRIBUTES[near]
     for attribute in (a for place in moving for a in place.attributes.values() if a.name in read):
         number = parse_number(attribute.value)
-        values[f"{attribute.name} {attribute.value.strip() if number is None else f'{number:g}'}"] = None
-    return join_names(values) or "it"
+        shown = attribute.value.strip() if number is None else f"{number:g}"
+        values.setdefault(attribute.name, {})[shown] = None
+    # Joints that move otherwise have other values.
+    return join_names(f"{name} {_list_alternatives(list(each))}" for name, each in values.items()) or "it"
+
+
+def _list_alternatives(values: list[str]) -> str:
+    """Return ``a or b``, and only how many more there are of a long list."""
+    more = len(values) - _MOST_VALUES
+    return " or ".join(values if more <= 0 else [*values[:_MOST_VALUES], f"{more} other values"])
 
 
 def _is_repeated(parent: str, tag: str, places: list[Element]) -> bool:
