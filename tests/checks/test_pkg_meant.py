@@ -277,3 +277,19 @@ def test_a_folder_from_the_root_is_no_package(tmp_path: Path, path: str, file: s
 def test_a_model_in_a_folder_of_old_files_is_kept_aside(tmp_path: Path, folder: str, severity: Severity) -> None:
     write(tmp_path, "arm/package.xml", text="<package><name>arm</name></package>")
     assert find(tmp_path / f"arm/{folder}/arm.urdf", "package://arm/meshes/a.stl", code="PKG002").severity is severity
+
+
+def test_a_path_in_an_included_file_is_written_from_the_model(tmp_path: Path) -> None:
+    write(tmp_path, ".git/HEAD", "meshes/a.stl")
+    macro = '<xacro:macro name="hand"><link name="hand">{}</link></xacro:macro>'
+    shape = visual(mesh("package://hand_description/meshes/a.stl"))
+    write(tmp_path, "xacro/hand.xacro", text=robot(macro.format(shape), xacro=True))
+    parts = '<xacro:include filename="../../xacro/hand.xacro"/><xacro:hand/>'
+    write(tmp_path, "sim/xacro/arm.xacro", text=robot(parts, xacro=True))
+    (finding,) = check(tmp_path / "sim/xacro/arm.xacro", codes={"PKG001"}).findings
+    repair = get_repair(finding)
+    assert repair.startswith("ROS needs a package.xml with the name hand_description")
+    assert (
+        "write the path from the model, `../../meshes/a.stl`: a model in another folder that includes hand.xacro"
+        in repair
+    )

@@ -39,6 +39,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, find_gazebo_folder
+from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
@@ -175,6 +176,7 @@ def _build_finding(
     lacking = "" if owners or here or not near else _describe_lack(near, package, uses, at, source)
     repair = checkout or _describe_absolute_path(package, uses, source)
     repair = repair or _describe_repair(package, here, near, source, owner, declared=declared, lacking=lacking)
+    repair = _describe_path_of_part(here, package, at, source) or repair
     scaled = _describe_scaled_file(near, package, uses, source)
     repair = scaled + repair
     own = [] if declared or here or near or checkout else _find_own_files(source, files)
@@ -569,6 +571,18 @@ def _describe_repair(
         return f"correct the name{lacking}; if the package is only missing here, {declare}{elsewhere}"
     declare = " and declare it in package.xml" if owner is not None else ""
     return f"add the package{declare}, or correct its name; if it is in another folder, {elsewhere}"
+
+
+def _describe_path_of_part(here: Mapping[str, Path], package: str, at: Location, source: Source) -> str:
+    """Say how files of the project are named in a file that the model includes: a path starts at the model, and other models may
+    include the file too. Nothing for a path in the model's own file."""
+    part = "" if at.span is None or at.span.file == source.name else at.span.file
+    if not here or not package or not part:
+        return ""
+    files = list(here.values())
+    own = f"write the path from the model, `{format_path_from_model(files[0], source)}`"
+    reason = f"a model in another folder that includes {PurePosixPath(part).name} needs another path"
+    return f"ROS needs a package.xml with the name {package}; for programs without ROS, {own}: {reason}{describe_mujoco_path(files, source)}"
 
 
 def _describe_absolute_path(package: str, uses: Iterable[ResourceUse], source: Source) -> str:
