@@ -582,7 +582,8 @@ def _describe_path_of_part(here: Mapping[str, Path], package: str, at: Location,
     files = list(here.values())
     own = f"write the path from the model, `{format_path_from_model(files[0], source)}`"
     reason = f"a model in another folder that includes {PurePosixPath(part).name} needs another path"
-    return f"ROS needs a package.xml with the name {package}; for programs without ROS, {own}: {reason}{describe_mujoco_path(files, source)}"
+    mujoco = describe_mujoco_path(files, source)
+    return f"ROS needs a package.xml with the name {package}; for programs without ROS, {own}: {reason}{mujoco}"
 
 
 def _describe_absolute_path(package: str, uses: Iterable[ResourceUse], source: Source) -> str:
