@@ -165,6 +165,13 @@ def test_the_only_folder_with_all_files_of_a_missing_package_is_named(
     assert (f"`{place}/a.stl`" in get_repair(finding)) == bool(place)
 
 
+def test_a_released_package_is_not_a_folder_with_its_files(tmp_path: Path) -> None:
+    names = ("base.dae", "shoulder.dae", "forearm.dae")
+    write(tmp_path, ".git/HEAD", *(f"meshes/{name}" for name in names))
+    typed = [f"package://ur_description/meshes/ur5/visual/{name}" for name in names]
+    assert find(tmp_path / "urdf/r.urdf", *typed, code="PKG001").message_id == "files-released"
+
+
 @pytest.mark.parametrize(("package", "is_source"), [("arm", True), ("my_arm", False)])
 def test_xacro_made_a_file_of_the_package_that_its_header_names(tmp_path: Path, package: str, is_source: bool) -> None:
     write(tmp_path, ".git/HEAD")

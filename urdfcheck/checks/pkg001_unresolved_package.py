@@ -412,12 +412,16 @@ def _find_in_folder_beside(uses: Iterable[ResourceUse], source: Source) -> dict[
     return {} if place is None else {text: place / name for text, name in names.items()}
 
 
-def _find_in_one_folder(uses: Iterable[ResourceUse], source: Source) -> dict[str, Path]:
+def _find_in_one_folder(uses: Sequence[ResourceUse], source: Source) -> dict[str, Path]:
     """Return for each text the file of its name in the only folder of the repository that has them all, if they are several.
 
-    A folder of another robot may have files of the same names.
+    A folder of another robot may have files of the same names. A package that ROS has released, or that one of the project
+    depends on, is meant itself.
     """
     names = {use.resource.text: PurePosixPath(use.resource.text).name for use in uses}
+    packages = {use.resource.package or "" for use in uses}
+    if packages & read_released_packages() or any(find_dependent_in_project(p, source.finder) for p in packages if p):
+        return {}
     project = source.finder.find_repository()
     if (
         project is None
