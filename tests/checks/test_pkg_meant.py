@@ -300,3 +300,15 @@ def test_a_path_in_an_included_file_is_written_from_the_model(tmp_path: Path) ->
         "write the path from the model, `../../meshes/a.stl`: a model in another folder that includes hand.xacro"
         in repair
     )
+
+
+@pytest.mark.parametrize("with_mesh", [True, False])
+def test_no_program_loses_a_shape_without_its_texture(tmp_path: Path, with_mesh: bool) -> None:
+    paint = '<material name="paint"><texture filename="package://gone/a.png"/></material>'
+    shape = mesh("package://gone/a.stl") if with_mesh else box("1 1 1")
+    drawn = visual(shape).replace("</visual>", f"{paint}</visual>")
+    write(tmp_path, "r.urdf", text=robot(link("l", drawn)))
+    (finding,) = check(tmp_path / "r.urdf", codes={"PKG001"}).findings
+    assert finding.severity is (Severity.ERROR if with_mesh else Severity.WARNING)
+    assert ("drops" in finding.consequences["rviz"]) == with_mesh
+    assert ("drake" in finding.consequences) == with_mesh

@@ -161,6 +161,7 @@ def _build_finding(
         message = "files-model"
     elif kept:
         message = "files-kept"
+    message = "textures" if message == "files" and _are_textures(uses) else message
     # The meshes of a declared package are missing only until it is installed.
     lost = message in {
         *("files", "files-inside", "files-part", "files-released", "files-aside", "files-kept", "nameless"),
@@ -303,11 +304,16 @@ def _sets_model_path(project: Path, source: Source) -> bool:
     return any("GAZEBO_MODEL_PATH" in read_text_or_nothing(path) for path in tops)
 
 
+def _are_textures(uses: Iterable[ResourceUse]) -> bool:
+    return all(use.attribute.owner.tag == "texture" for use in uses)
+
+
 def _grade(message: str, *, is_outside: bool) -> Severity | None:
     """Return the severity of a message; None for that of the rule."""
     if message in _NOTES and not is_outside:
         return Severity.INFO
-    return Severity.WARNING if is_outside or message == "files-released" else None
+    # Without a texture no program loses a shape.
+    return Severity.WARNING if is_outside or message in {"files-released", "textures"} else None
 
 
 def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:
