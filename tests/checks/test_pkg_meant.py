@@ -312,3 +312,13 @@ def test_no_program_loses_a_shape_without_its_texture(tmp_path: Path, with_mesh:
     assert finding.severity is (Severity.ERROR if with_mesh else Severity.WARNING)
     assert ("drops" in finding.consequences["rviz"]) == with_mesh
     assert ("drake" in finding.consequences) == with_mesh
+
+
+@pytest.mark.parametrize(("mark", "message"), [("#", "expansion-aside"), ("", "expansion")])
+def test_a_xacro_that_only_a_remark_of_a_script_names_is_left_aside(tmp_path: Path, mark: str, message: str) -> None:
+    """The other model may be in a remark too: it shows that the package has files that are used elsewhere."""
+    write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
+    write(tmp_path, "p/patches/copy.sh", text=f"{mark}cp library.urdf.xacro /opt\n#cp gazebo.urdf.xacro /opt\n")
+    write(tmp_path, "p/patches/library.urdf.xacro", text=include("ur_description", "urdf/common.xacro"))
+    (finding,) = check(tmp_path / "p/patches/library.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.message_id == message

@@ -29,7 +29,7 @@ from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.srdf import has_dependency
 from urdfcheck.source.text.remembered import text_fact
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
+from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -346,13 +346,12 @@ def _is_made_of(source: Source, path: Path, text: str) -> bool:
 
 
 def name_other_models_only(texts: Iterable[str], own: str) -> bool:
-    """Whether texts name files of models, and not the ``own`` one, outside comments."""
+    """Whether texts name files of models, and not the ``own`` one outside comments; others may be in a comment of a script."""
     names_any = False
     for text in texts:
-        named = MODEL_FILE.findall(drop_comments(text))
-        if own in named:
+        if own in MODEL_FILE.findall(drop_comments(text)):
             return False
-        names_any |= bool(named)
+        names_any |= any(name != own for name in MODEL_FILE.findall(COMMENT.sub("", text)))
     return names_any
 
 
@@ -464,7 +463,7 @@ def is_named_nowhere(source: Source) -> bool:
             except OSError:
                 continue
             if package_name in text and (
-                names_file(text, inside, source.package.name)
+                names_file(drop_comments(text), inside, source.package.name)
                 or COMPUTED_FILE.search(text)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
                 or (path.suffix.lower() in _INCLUDED_SUFFIXES and _is_made_of(source, path, text))
