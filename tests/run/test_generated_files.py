@@ -70,7 +70,7 @@ def test_a_repair_leads_to_the_file_that_xacro_made_it_from(tmp_path: Path, sour
     assert bool(made.fix.edits) != is_led
 
 
-@pytest.mark.parametrize(("count", "words"), [(1, "→"), (7, "the numbers that a check of the other file shows")])
+@pytest.mark.parametrize(("count", "words"), [(1, "→"), (7, "the numbers that a check of the xacro file shows")])
 def test_a_repair_that_loses_its_edits_spells_the_numbers(tmp_path: Path, count: int, words: str) -> None:
     (tmp_path / "r.urdf").write_text(BODY.format(""))
     (finding,) = check([str(tmp_path / "r.urdf")], select=["JNT002"]).findings

@@ -552,6 +552,7 @@ def _build_cause_finding(
     mild |= is_absorbed
     if mild and is_bolted and message in {"exact", "named"}:
         message = "bolted"
+    data |= {"scale": _describe_scale(link, diagnosis.detail)} if message == "mesh_scale" else {}
     vast = is_vast(model, link, judged)
     has_little_effect = is_absorbed or is_next_to_nothing(model, link, judged)
     has_another = message == "named" and _leaves_another_mistake(model, link, judged)
@@ -581,7 +582,6 @@ def _build_cause_finding(
         alone=_describe_drawn_com(model, link, mended) if message == "com_missing" else "",
         beside=f"so they do with {_NO_RPY}" if is_straight else "no other single edit brings them so near",
         straight=f", or {_NO_RPY}, whichever is meant" if is_straight else "",
-        scale=_describe_scale(link, diagnosis.detail) if message == "mesh_scale" else "",
         **data,
     )
 

@@ -67,7 +67,7 @@ def lead_to_xacro(finding: Finding, sources: Mapping[str, str]) -> Finding:
 def _spell_numbers(edits: Sequence[Edit]) -> str:
     """Return what edits write in place of what, for a repair that loses them; of many, where they are seen."""
     if len(edits) > _MOST_SPELLED:
-        return "the numbers that a check of the other file shows"
+        return "the numbers that a check of the xacro file shows"
     ordered = sorted(edits, key=lambda edit: edit.span.start)
     return ", ".join(f"{edit.expected.strip()} → {edit.replacement.strip()}" for edit in ordered)
 
