@@ -21,6 +21,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.mistakes.tensor_slips import (
     find_filled_products,
+    find_moved_moment,
     find_nearest_tensor,
     find_repeated_slot,
     find_wrong_signs,
@@ -154,3 +155,21 @@ def test_products_that_were_filled_in(texts: list[str], detail: str | None) -> N
 def test_a_product_that_repeats_a_moment(texts: list[str], detail: str | None) -> None:
     slip = find_repeated_slot(texts)
     assert (None if slip is None else slip.detail) == detail
+
+
+@pytest.mark.parametrize(
+    ("components", "wanted"),
+    [
+        ((0.001, 0, 0.0005, 0, 0, 0.001), (0.001, 0, 0, 0.0005, 0, 0.001)),
+        ((0.001, 0, 0.0001, 0, 0, 0.001), None),  # a small product of a rod
+        ((0.001, 0.0005, 0, 0.001, 0, 0), None),  # not beside it
+        ((0.001, 0, -0.0005, 0, 0, 0.001), None),  # no moment
+        ((0.001, 0, 0.0005, 0, 0.0002, 0.001), None),
+        ((0.001, 0, 0.0005, 0, 0, 0.0001), None),  # impossible there too
+    ],
+)
+def test_the_number_of_a_moment_of_zero_is_beside_it(
+    components: tuple[float, ...], wanted: tuple[float, ...] | None
+) -> None:
+    slip = find_moved_moment(components)
+    assert (None if slip is None else slip.components) == wanted

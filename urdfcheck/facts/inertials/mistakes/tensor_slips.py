@@ -28,6 +28,8 @@ NAMES = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _MOMENTS, _PRODUCTS = (0, 3, 5), (1, 2, 4)
 # A number with so many digits stands twice because it was written twice.
 _TELLING_DIGITS = 4
+# A product is as large as a moment from this share of the largest on (chosen): a rod, whose moment rounds to zero, has less.
+_OF_MOMENT = 0.25
 # The other signs of the products must bring them so much nearer to the drawn part's.
 _NEARER = 0.5
 # The moments of a part with a motor inside, relative to each other, are within this factor of those of its drawing.
@@ -43,7 +45,7 @@ class TensorSlip:
     """A mistake that the numbers show."""
 
     id: str
-    """``products_filled`` | ``slot_repeated`` | ``products_sign`` | ``one_sign`` | ``decimal``."""
+    """``products_filled`` | ``slot_repeated`` | ``slot_moved`` | ``products_sign`` | ``one_sign`` | ``decimal``."""
     detail: str
     """Which numbers, in words."""
     components: tuple[float, ...] | None
@@ -75,6 +77,24 @@ def find_repeated_slot(texts: Sequence[str]) -> TensorSlip | None:
             if len(digits) >= _TELLING_DIGITS and words[i] == words[j] and not is_negative:
                 return TensorSlip(id="slot_repeated", detail=f"{NAMES[i]} repeats {NAMES[j]}", components=None)
     return None
+
+
+def find_moved_moment(components: Sequence[float]) -> TensorSlip | None:
+    """Find the only product, if it is the number of the only moment of zero: they are neighbours in the order of the numbers, and
+    in the other's place it makes a tensor that a body can have."""
+    products = [i for i in _PRODUCTS if components[i]]
+    zeros = [j for j in _MOMENTS if components[j] == 0.0]
+    if len(products) != 1 or len(zeros) != 1 or abs(products[0] - zeros[0]) != 1:
+        return None
+    i, j = products[0], zeros[0]
+    if components[i] < _OF_MOMENT * max(components):
+        return None
+    numbers = list(components)
+    numbers[i], numbers[j] = 0.0, components[i]
+    if not _is_possible(tuple(numbers)):
+        return None
+    detail = f"{NAMES[i]} has a number, and {NAMES[j]} beside it is 0"
+    return TensorSlip(id="slot_moved", detail=detail, components=tuple(numbers))
 
 
 def find_wrong_signs(components: Sequence[float], drawn: Mat3 | None) -> TensorSlip | None:

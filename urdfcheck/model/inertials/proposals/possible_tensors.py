@@ -21,6 +21,7 @@ from urdfcheck.model.inertials.proposals.nearest_tensors import propose_nearest
 from urdfcheck.model.inertials.proposals.slip_repairs import (
     has_many_slips,
     propose_filled_products,
+    propose_moved_moment,
     propose_signs,
     propose_slipped_moment,
 )
@@ -56,7 +57,7 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
 
     In this order: products that were filled in; the one mistake that explains the numbers, by the drawn part or a twin; the only
     number in which a link of the same mass and shape, or the one on the other side, differs; a moment of zero in numbers that
-    another link has; other signs of the products; where
+    another link has, or beside the only product; other signs of the products; where
     little is missing, or the digits are too few, the nearest tensor that a body can have, about the author's own COM, unless the
     drawn part's is far from it, or the robot is shorter than such a body. Only then the inertia of the drawn part.
     """
@@ -78,6 +79,9 @@ def propose_repair(model: Model, link: Link) -> InertialProposal:
         return like
     typed = measure_tensor_rounding(declared.texts)
     is_rounded = typed.explained_by_rounding and not has_lost_moment(model, declared) and not has_bare_zeros(declared)
+    moved = propose_moved_moment(declared)
+    if moved is not None:
+        return moved
     slip = None if is_rounded else propose_signs(model, declared) or propose_slipped_moment(model, declared)
     if slip is not None:
         return slip

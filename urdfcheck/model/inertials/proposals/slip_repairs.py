@@ -10,6 +10,7 @@ from urdfcheck.facts.inertials.inertia_tensor import build_inertia_tensor, compu
 from urdfcheck.facts.inertials.mistakes.tensor_slips import (
     TensorSlip,
     find_filled_products,
+    find_moved_moment,
     find_slipped_moment,
     find_wrong_signs,
 )
@@ -33,6 +34,7 @@ _NEAR_PRODUCTS = 0.5
 # When the repair of a slip that the numbers show is right.
 _SLIP_CONDITIONS = {
     "products_filled": "the products are placeholders",
+    "slot_moved": "it was typed in the wrong place",
     "products_sign": "their signs are wrong",
     "one_sign": "its sign is wrong",
     "decimal": "its decimal point or exponent is wrong",
@@ -45,6 +47,12 @@ def propose_filled_products(declared: DeclaredTensor) -> InertialProposal | None
     if slip is None:
         return None
     return _propose_slip(declared.link, slip, "{detail}: with products 0 the tensor is possible")
+
+
+def propose_moved_moment(declared: DeclaredTensor) -> InertialProposal | None:
+    """Propose the only product as the moment of zero beside it, never as an edit; None where that makes no possible tensor."""
+    slip = find_moved_moment(declared.components)
+    return None if slip is None else replace(_propose_slip(declared.link, slip, "{detail}"), edits=())
 
 
 def propose_signs(model: Model, declared: DeclaredTensor) -> InertialProposal | None:
