@@ -35,6 +35,7 @@ def make_ball_joint(more: str = "", *, first: str = ZERO, last: str = HEAVY) -> 
         (make_ball_joint("<!-- it has no fake links -->"), "spawn in gazebo_ros", Severity.ERROR),
         (make_ball_joint("<gazebo><static>false</static></gazebo>"), "", Severity.ERROR),
         (make_ball_joint(first=ZERO + visual(box("1 1 1"))), "", Severity.ERROR),
+        (make_ball_joint(FAKE, first=ZERO + visual(box("1 1 1"))), "", Severity.WARNING),
         (make_ball_joint(last=ZERO), "", Severity.ERROR),
     ],
 )

@@ -130,19 +130,20 @@ def _is_weightless(model: Model, massless: Sequence[DeclaredMass]) -> bool:
 
 
 def _are_joining_frames(model: Model, links: Sequence[Link], carrying: AbstractSet[str]) -> bool:
-    """Whether links without mass are the frames between the axes of joints of several degrees of freedom, which nothing draws and
-    which carry a mass: Pinocchio, Drake and Bullet compute with them.
+    """Whether links without mass are the frames between the axes of joints of several degrees of freedom, which carry a mass:
+    Pinocchio, Drake and Bullet compute with them.
 
-    Either a comment says that they have no mass, or neither the robot nor its package is for a program that loses them.
+    Either a comment says that they have no mass, or nothing draws them, and neither the robot nor its package is for a program
+    that loses them.
     """
     bodies = [model.tree.list_body_links(link.name) for link in links]
     parts = [model.link_by_name[name] for body in bodies for name in body]
-    if not all(body[0] in carrying for body in bodies) or any(part.visuals or part.collisions for part in parts):
-        return False
-    if has_elements(model):
+    if not all(body[0] in carrying for body in bodies) or has_elements(model):
         return False
     if all(is_called_massless(model, link.element) for link in links):
         return True
+    if any(part.visuals or part.collisions for part in parts):
+        return False
     controls = model.robot.find_children("ros2_control")
     return not any(map(is_simulated_hardware, controls)) and not any(map(_LOSING.search, list_project_texts(model)))
 
