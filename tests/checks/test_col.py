@@ -774,3 +774,28 @@ def vars_of(found: CollisionPair) -> tuple[object, ...]:
     contact = found.contact
     place = None if contact is None else (contact.depth, contact.point, contact.normal, contact.size)
     return found.links, found.relation, found.hits.tobytes(), found.is_proven_apart, found.is_complete, place
+
+
+# -- arms that cross -----------------------------------------------------------------------------------------------------
+
+
+def make_crossing_arms(joints: int) -> str:
+    """Two arms beside each other, whose last links reach over to the other side at rest alone."""
+    parts = [make_link("base")]
+    for side, y in (("left", 0.3), ("right", -0.3)):
+        parent = "base"
+        for index in range(joints):
+            name = f"{side}_{index}"
+            last = index == joints - 1
+            parts.append(
+                make_joint(parent, name, f"0 {y} 0" if index == 0 else "0 0 0.1", axis="1 0 0" if last else "0 0 1")
+            )
+            parts.append(make_link(name, f"0 {-0.5 * y:g} 0|{box('0.03 0.36 0.03')}") if last else make_link(name))
+            parent = name
+    return robot(*parts)
+
+
+@pytest.mark.parametrize(("joints", "severity"), [(4, Severity.INFO), (2, Severity.WARNING)])
+def test_arms_that_cross_at_rest_alone_have_no_wrong_shape(tmp_path: Path, joints: int, severity: Severity) -> None:
+    (finding,) = find(tmp_path, make_crossing_arms(joints), "COL001")
+    assert (finding.message_id, finding.severity) == ("overlap", severity)

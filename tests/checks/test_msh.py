@@ -748,6 +748,21 @@ def test_a_scale_can_enlarge_a_whole_robot(
     assert not any(f.fix is not None and f.fix.edits for f in found)
 
 
+@pytest.mark.parametrize(("name", "found"), [("ground", False), ("front_floor_2", False), ("background", True)])
+def test_a_ground_is_of_any_size(tmp_path: Path, name: str, found: bool) -> None:
+    (tmp_path / "part.obj").write_text(scaled(CLOSED, 100.0))
+    parts = (link("base", visual(box("0.5 0.5 0.5"))), link(name, shape("visual")))
+    text = robot(*parts, joint("stands", "base", name, kind="fixed", xyz="0 0 -0.3"))
+    assert bool(find(tmp_path, text, "MSH008")) == found
+
+
+@pytest.mark.parametrize(("scale", "code"), [("0.1 0.1 0.1", "GEO003"), ("1 1 1", "MSH008")])
+def test_a_file_with_two_scales_is_not_taken_for_one_in_metres(tmp_path: Path, scale: str, code: str) -> None:
+    links = shape("visual", scale=scale) + shape("collision", scale="0.001 0.001 0.001")
+    found = find_in_mesh(tmp_path, {"MSH008", "GEO003"}, scaled(CLOSED, 0.9), "", links, step=0.3)
+    assert [finding.code for finding in found] == [code]
+
+
 def test_only_the_uses_without_scale_are_reported(tmp_path: Path) -> None:
     drawn, collides = shape("visual", scale="0.001 0.001 0.001"), shape("collision")
     (finding,) = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 400.0), "", drawn + collides, step=0.3)
@@ -1130,7 +1145,8 @@ def test_a_broken_mesh_may_be_what_a_test_needs(tmp_path: Path, folder: str) -> 
         ("visual", "<depend>gazebo_ros</depend>", "fixed", "unit-drawn"),
         ("visual", "<depend>gazebo_ros</depend>", "revolute", "unit-drawn"),
         ("visual", "<depend>pinocchio</depend>", "revolute", "unit"),
-        ("collision", "<depend>gazebo_ros</depend>", "fixed", "unit"),
+        ("collision", "<depend>gazebo_ros</depend>", "fixed", "unit-unread"),
+        ("collision", "<depend>moveit</depend>", "fixed", "unit"),
         ("visual", "<depend>pinocchio</depend>", "fixed", "unit"),
     ],
 )
@@ -1150,7 +1166,7 @@ def test_a_unit_matters_where_a_program_ignores_it(
         ("visual", 0.01, 501, "unit-drawn"),
         ("visual", 100.0, 5.01, "unit"),
         ("visual", 1.1, 4.9, "unit"),
-        ("collision", 0.01, 501, "unit"),
+        ("collision", 0.01, 501, "unit-unread"),
     ],
 )
 def test_a_boat_is_larger_than_a_robot(tmp_path: Path, role: str, unit: float, size: float, message: str) -> None:

@@ -544,3 +544,15 @@ def test_sides_that_are_alike_but_for_one_pair_are_made_of_one_part_each(
             ]
     findings = [f for f in find(tmp_path, robot(*parts), "SYM004") if f.message_id == "moments"]
     assert [finding.severity for finding in findings] == [severity]
+
+
+def test_links_with_the_numbers_of_their_own_collision_shapes_are_right(tmp_path: Path) -> None:
+    """All draw one part, and one of them collides with another."""
+    links = {}
+    for name in FOUR:
+        size, com = (0.12, 0.08, 0.05) if name != "rl" else (0.1, 0.07, 0.04), (0.03, 0.02, 0.01)
+        moments = [MASS / 12 * (sum(s * s for s in size) - s * s) for s in size]
+        own = make_lump_inertial(com=list(com), tensor=np.diag(moments))
+        collides = collision(box(" ".join(map(str, size))), xyz=" ".join(map(str, com)))
+        links[name] = drawn() + collides + own
+    assert not [f for f in find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **links)) if f.message_id == "others"]

@@ -259,7 +259,12 @@ def told(finding: Finding) -> tuple[str, str | None, str]:
 
 @pytest.mark.parametrize(
     ("away", "severity"),
-    [((0.003, 0, 0), Severity.WARNING), ((0.003, 0.002, 0), Severity.INFO), ((0.006, 0.004, 0), Severity.WARNING)],
+    [
+        ((0.003, 0, 0), Severity.WARNING),
+        ((0.0018, 0, 0), Severity.INFO),  # the hands are 0.5 m apart
+        ((0.003, 0.002, 0), Severity.INFO),
+        ((0.006, 0.004, 0), Severity.WARNING),
+    ],
 )
 def test_a_place_that_is_a_little_off_in_two_coordinates_is_of_another_export(
     tmp_path: Path, away: tuple[float, float, float], severity: Severity

@@ -9,6 +9,11 @@ import pytest
 from builders import box, cylinder, find, inertial, joint, limit, link, robot, visual
 
 from urdfcheck.core import Finding
+from urdfcheck.model import Model
+from urdfcheck.model.likeness.mirror_pairs import mirror_pairs
+from urdfcheck.model.likeness.sides.settled_places import is_settled
+from urdfcheck.source.load import load_source
+from urdfcheck.source.package.finder import PackageFinder
 
 LIMIT = limit(-1, 1)
 PULLS = "gravity and mass matrix differ between the two sides"
@@ -414,3 +419,30 @@ def test_a_part_that_is_mounted_on_its_side_has_its_own_left(
                 )
             )
     assert bool(find_places(tmp_path, *parts)) == found
+
+
+def test_rods_that_are_numbered_from_one_side_to_the_other_are_in_place(tmp_path: Path) -> None:
+    """Each foot has a rod on either side, and the first of one foot is the mirror image of the second of the other. The case of a
+    letter hides that one pair."""
+    parts = [link("base", visual(box("0.2 0.2 0.1"), xyz="0 0 0.1"))]
+    for side, y in (("Left", 0.12), ("Right", -0.12)):
+        for part, parent, z in (
+            ("thigh", "base", 0.0),
+            ("shin", f"{side}_thigh", -0.3),
+            ("foot", f"{side}_shin", -0.3),
+        ):
+            name, place = f"{side}_{part}", f"0 {y if part == 'thigh' else 0} {z}"
+            parts.append(link(name, visual(box("0.08 0.06 0.2"), xyz="0 0 -0.1")))
+            parts.append(joint(f"{name}_joint", parent, name, LIMIT, xyz=place, axis="0 1 0"))
+        rods = {
+            f"{'left' if side == 'Left' else side}_rod_a": -0.02,
+            f"{side}_rod_b": 0.02 if side == "Left" else 0.0201,
+        }
+        for name, off in rods.items():
+            parts.append(link(name, visual(box("0.02 0.01 0.1"), xyz="0 0 0.05")))
+            parts.append(joint(f"{name}_joint", f"{side}_foot", name, LIMIT, xyz=f"-0.05 {off} 0", axis="1 0 0"))
+    (tmp_path / "robot.urdf").write_text(robot(*parts), encoding="utf-8")
+    source = load_source(tmp_path / "robot.urdf", {}, PackageFinder(tmp_path, {}, []))
+    assert source.root is not None
+    model = Model(source=source, robot=source.root)
+    assert is_settled(model, ["Left_rod_b", "Right_rod_b"], mirror_pairs(model))

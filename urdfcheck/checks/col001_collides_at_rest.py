@@ -45,6 +45,8 @@ _TO_DISABLE = "add <disable_collisions> for the pair to the SRDF if the overlap 
 _TO_EXCLUDE = "exclude the pair in every collision checker if the overlap is intended"
 # Of the configurations.
 _RARELY, _USUALLY = 0.05, 0.5
+# An arm has at least so many joints that move (chosen): a finger has fewer, as a rule, and a leg has three or so below its hip.
+_ARM_JOINTS = 4
 # Cosine of the angle between the stages: 0.1°.
 _PARALLEL = 1 - 1.5e-6
 
@@ -173,6 +175,14 @@ def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
     """Whether two links hardly ever overlap but at rest, where each joint between them is at a limit: a closed gripper."""
     spans = [joint.position_range for joint in _list_joints_between(model, pair)]
     return pair.hit_share <= _RARELY and all(span is not None and _get_rest(span) in span for span in spans)
+
+
+def _are_crossed_arms(model: Model, pair: CollisionPair) -> bool:
+    """Whether two links are parts of two arms, each of several joints, which hardly ever meet but at rest: each shape is where
+    its part is, and the robot starts from another pose."""
+    one, other = (model.tree.find_path_to(name) for name in pair.links)
+    ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
+    return pair.hit_share <= _RARELY and min(map(len, ways)) >= _ARM_JOINTS
 
 
 def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
@@ -370,7 +380,9 @@ def _build_overlap_finding(
             *(locate_geometry(s) for _, c in group[1:] for s in c.shapes if s is not shape),
         ],
         severity=Severity.INFO
-        if is_unused or is_disabled or all(_is_at_unused_pose(model, p) for p, _ in group)
+        if is_unused
+        or is_disabled
+        or all(_is_at_unused_pose(model, p) or _are_crossed_arms(model, p) for p, _ in group)
         else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
         srdf=_INTENDED if is_disabled else _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE,

@@ -12,6 +12,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.shapes.mesh_sizes import MeasuredMesh, MeshSizes, SizeLimits, measure_mesh_sizes
+from urdfcheck.model.use.display import is_checked_for_collisions
 from urdfcheck.model.use.other_programs import names_unitless_program
 
 # Programs that draw a COLLADA file as if it were in metres.
@@ -149,12 +150,14 @@ def _build_unit_finding(
     is_of_any_size = _is_scenery(model) or (limits.largest < drawn < plain and not limits.is_too_large(drawn))
     is_plausible = limits.is_plausible(drawn) or (is_of_any_size and not limits.is_plausible(plain))
     is_drawn = not _has_collision(uses) and is_plausible
-    is_drawn_right = is_drawn and not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
+    is_unread = not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
+    is_drawn_right = is_drawn and is_unread
+    is_collided_right = is_plausible and is_unread and not is_drawn and not is_checked_for_collisions(model)
     finding = rule.finding(
-        "unit-drawn" if is_drawn_right else "unit",
+        "unit-drawn" if is_drawn_right else "unit-unread" if is_collided_right else "unit",
         at=uses[0].filename,
         related=[use.filename for use in uses[1:]],
-        severity=Severity.INFO if is_drawn_right else None,
+        severity=Severity.INFO if is_drawn_right or is_collided_right else None,
         consequences=None if _has_collision(uses) else _DRAWN_ONLY,
         meshes=_describe_declaring_meshes(uses),
         unaware="Pinocchio, MoveIt and trimesh" if _has_collision(uses) else "Pinocchio and trimesh",

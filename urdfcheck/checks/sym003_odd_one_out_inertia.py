@@ -70,6 +70,8 @@ def _compare_copies(model: Model, rule: Rule, *, differ: float, note: float) -> 
         if is_of_com_alone and has_com_of_own_mesh(model, odd.link, odd.actual, odd.expected):
             continue
         verdict = _ask_drawing(model, odd, note)
+        if verdict == "others" and _fit_own_shapes(model, odd, note):
+            continue
         if verdict == "others":
             yield _build_majority_finding(model, rule, odd, differ=differ, note=note)
             continue
@@ -156,6 +158,14 @@ def _ask_drawing(model: Model, odd: CopyComparison, note: float) -> str | None:
         _measure_least_miss(model, odd.link, numbers, differing) for numbers in (odd.actual, odd.expected)
     )
     return _choose_wrong(actual, expected, note)
+
+
+def _fit_own_shapes(model: Model, odd: CopyComparison, note: float) -> bool:
+    """Whether each link has the numbers of its own shapes: links that draw one part may collide with different ones."""
+    first = odd.by[0]
+    declared = read_declared_inertial(first)
+    miss = None if declared is None else _measure_least_miss(model, first, declared, _list_differing(odd, note))
+    return miss is not None and miss < note
 
 
 def _list_differing(odd: CopyComparison, note: float) -> set[str]:

@@ -294,7 +294,9 @@ def _describe_either_repair(
         return f"{_COMPUTE_TENSOR}: neither has products of inertia with the signs of its drawing"
     if why.cause == "half_turn":
         return _COMPARE_DRAWINGS
-    if why.cause not in _SIGN_CAUSES and not _is_of_mass_alone(both[1].deviation, note):
+    if (why.cause not in _SIGN_CAUSES or _are_both_elsewhere(model, both, note)) and not _is_of_mass_alone(
+        both[1].deviation, note
+    ):
         if both[1].deviation.com_offset > note and all(_has_com_elsewhere(model, one.link) for one in both):
             return _COMPUTE_BOTH_COMS
         if all(_has_other_inertial(model, one.link) for one in both):
@@ -306,6 +308,21 @@ def _describe_either_repair(
     is_shared = _has_shared_text(both[1], list_inertial_changes(both[1], note))
     other_way = "the other way round" if is_shared else _describe_remedy(both[0], note)
     return f"if {one} is right, {_describe_remedy(both[1], note)}; if {other} is, {other_way}"
+
+
+def _are_both_elsewhere(model: Model, both: Sequence[PairSide], note: float) -> bool:
+    """Whether each COM is farther from the drawn part's than from that of the other side: whichever is the image of the other,
+    neither is that of its part."""
+    off = float(np.linalg.norm(both[1].actual.com - both[1].expected.com))
+    return both[1].deviation.com_offset > note and all(
+        _has_com_elsewhere(model, one.link) and _measure_distance_to_drawing(model, one) > off / 2 for one in both
+    )
+
+
+def _measure_distance_to_drawing(model: Model, side: PairSide) -> float:
+    """Measure how far (m) the COM of a side is from that of what it draws; 0 where that is not known."""
+    drawn = measure_link_geometry(model, side.link)
+    return 0.0 if drawn is None else float(np.linalg.norm(side.actual.com - drawn.solid.com))
 
 
 def _is_of_mass_alone(deviation: InertialDeviation, note: float) -> bool:

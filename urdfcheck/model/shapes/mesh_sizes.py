@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections import Counter
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -30,6 +31,8 @@ DEFAULT_LIMITS = {"largest": 5.0, "ratio": 10.0, "smallest": 0.001}
 _UNIT_TOLERANCE = 1e-3
 # A scale below this was meant to convert millimetres, centimetres or inches to metres.
 _MAX_CONVERSION_SCALE = 0.03
+# What a robot stands on is of any size.
+_GROUND = re.compile(r"(?:^|[^a-z])(?:ground|floor|terrain)(?![a-z])", re.IGNORECASE)
 # Four times the largest part (m) that published robots have.
 _ENLARGED = 20.0
 # A part that measures more than this in all three directions (m) is not a ground plane or a wall.
@@ -156,13 +159,21 @@ def _measure_mesh(model: Model, use: MeshUse, limits: SizeLimits, *, usual: floa
     return MeasuredMesh(use=use, size=size, in_file=in_file, unit=None, mistake=mistake)
 
 
+def _list_other_scales(model: Model, use: MeshUse) -> set[float]:
+    """List the scales, other than that of a use and none, which other uses by its link give the same file along all axes."""
+    name = use.filename.value
+    named = (other.shape.size for other in model.meshes.uses if other.link is use.link and other.filename.value == name)
+    scales = {abs(size[0]) for size in named if size is not None and len(set(map(abs, size))) == 1}
+    return scales - {1.0, *map(abs, use.shape.size or ())}
+
+
 def _find_mistake(
     model: Model, use: MeshUse, limits: SizeLimits, *, usual: float, least: float, size: float, in_file: float
 ) -> str | None:
     """Return what is wrong with the size of a mesh, whose box has edges from ``least`` to ``size`` (m)."""
     scales = np.abs(use.shape.size or (1.0,))
     if limits.is_too_large(size) and limits.list_plausible_units(size):
-        return "large"
+        return None if _GROUND.search(f"{use.link.name} {use.name}") else "large"
     # In a robot whose joints are as far apart, the rest of it has the same mistake, so its reach shows nothing.
     is_enlarged = limits.reach > 0 and scales.min() * _MAX_CONVERSION_SCALE >= 1.0
     if is_enlarged and size > _ENLARGED and least > _MIN_ENLARGED and limits.smallest <= in_file <= _ENLARGED:
@@ -171,6 +182,8 @@ def _find_mistake(
         return None
     if usual != 1.0 and limits.is_plausible(in_file * usual):
         return "twice"
+    if any(limits.is_plausible(in_file * scale) for scale in _list_other_scales(model, use)):
+        return None  # neither is it in metres, nor was it converted: GEO003 compares the two
     return "small" if limits.is_plausible(in_file) else None
 
 

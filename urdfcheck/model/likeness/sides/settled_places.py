@@ -72,8 +72,8 @@ def _find_plane_between(model: Model, pair: MirrorPair, normal: Array) -> Mirror
 
 
 def _is_crossed(model: Model, pair: MirrorPair, pairs: Sequence[MirrorPair]) -> bool:
-    """Whether each link of a pair is the mirror image of the neighbour of the other one: a gripper that is rotated by half a turn
-    has its first finger where the mirror has the second."""
+    """Whether each link of a pair is the mirror image of a neighbour of the other one: a gripper that is rotated by half a turn
+    has its first finger where the mirror has the second, and rods may be numbered from one side to the other."""
     joints = model.tree.parent_joint
     for near in pairs:
         if near is pair or near.plane.normal @ pair.plane.normal < 1 - 1e-6:
@@ -82,7 +82,17 @@ def _is_crossed(model: Model, pair: MirrorPair, pairs: Sequence[MirrorPair]) -> 
             if _hang_together(joints[pair.one], joints[one]) and _hang_together(joints[pair.other], joints[other]):
                 crossed = (pair.one, other), (pair.other, one)
                 return all(_is_mirrored(model, pair.plane, *names) for names in crossed)
-    return False
+    ends = ((pair.one, pair.other), (pair.other, pair.one))
+    return joints[pair.one].parent != joints[pair.other].parent and all(
+        any(_is_mirrored(model, pair.plane, name, near) for near in _list_neighbours(model, other))
+        for name, other in ends
+    )
+
+
+def _list_neighbours(model: Model, name: str) -> list[str]:
+    """List the other links that joints of one type hang on what a link hangs on."""
+    own = model.tree.parent_joint[name]
+    return [one.child for one in model.tree.child_joints[own.parent] if one is not own and one.type == own.type]
 
 
 def _hang_together(one: Joint, other: Joint) -> bool:
