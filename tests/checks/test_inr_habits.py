@@ -332,3 +332,23 @@ def test_the_sentence_of_each_cause_can_be_said_of_most_links_of_a_file() -> Non
     for cause, sentence in load_rules()["INR009"].causes.items():
         needed = {name for _, name, _, _ in Formatter().parse(sentence) if name}
         assert needed <= collect_cause_data(cause, "x").keys(), cause
+
+
+def test_one_tensor_that_links_of_several_masses_have_shows_no_unit_of_the_file(tmp_path: Path) -> None:
+    """It is that of the first part in lb·ft², and the others are about as large."""
+    sizes, masses = (
+        ((0.2, 0.15, 0.1), (0.21, 0.14, 0.1), (0.19, 0.15, 0.11), (0.2, 0.16, 0.09)),
+        (0.36, 0.34, 0.33, 0.32),
+    )
+    x, y, z = sizes[0]
+    moments = [
+        f"{masses[0] / 12 * sum_of_squares / 0.0421401:.6g}"
+        for sum_of_squares in (y * y + z * z, x * x + z * z, x * x + y * y)
+    ]
+    parts = [link("base")]
+    for i, (size, mass) in enumerate(zip(sizes, masses, strict=True)):
+        typed = inertial(mass, ixx=moments[0], iyy=moments[1], izz=moments[2])
+        parts.append(link(f"l{i}", typed, visual(box(" ".join(map(str, size))))))
+        parent = f"l{i - 1}" if i else "base"
+        parts.append(joint(f"j{i}", parent, f"l{i}", kind="continuous", axis="0 0 1", xyz="0.1 0 0"))
+    assert "habit" not in {finding.message_id for finding in find(tmp_path, robot(*parts), "INR009")}

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, box, find, inertial, joint, link, mesh, robot, visual
+from builders import arm_on_base, box, collision, find, inertial, joint, limit, link, mesh, robot, visual
 from castings import CASTING, Block, drawn_boxes, format_inertial, geometry, opened, steiner, uniform, write_stl
 
 from urdfcheck.core import Severity
@@ -17,6 +17,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make
 
 DRAWN = geometry(CASTING)
 TRUE = uniform(DRAWN.solid)
+LIMIT = limit(-1, 1)
 
 # -- rows ----------------------------------------------------------------------------------------------------------------
 
@@ -329,3 +330,66 @@ def test_a_placeholder_of_one_body_that_touches_nothing_is_an_info(
     touching = ball.format('<collision><geometry><sphere radius="0.1"/></geometry></collision>')
     (finding,) = find(tmp_path, f'<robot name="r">{touching}{more}</robot>', "INR007")
     assert finding.severity == Severity.ERROR
+
+
+# -- models that nothing moves, or a program alone ------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("role", "severity"), [("visual", Severity.INFO), ("collision", Severity.WARNING)])
+def test_axes_that_are_drawn_need_no_inertia(tmp_path: Path, role: str, severity: Severity) -> None:
+    typed = inertial(1, 100)
+    shape = visual(box("0.1 0.01 0.01")) + (collision(box("0.1 0.01 0.01")) if role == "collision" else "")
+    parts = [link("base"), link("x", typed + shape), link("y", typed + shape)]
+    joints = [joint(name, "base", name, kind="fixed", xyz="0.05 0 0") for name in ("x", "y")]
+    looks = "<gazebo reference='x'><material>Gazebo/Red</material></gazebo>"
+    (finding,) = find(tmp_path, robot(*parts, *joints, looks), "INR007")
+    assert min(finding.severity, Severity.WARNING) == severity
+
+
+@pytest.mark.parametrize(("gravity", "severity"), [("0", Severity.INFO), ("1", Severity.WARNING)])
+def test_an_obstacle_that_a_plugin_places_may_be_lighter_than_air(
+    tmp_path: Path, gravity: str, severity: Severity
+) -> None:
+    body = link("obstacle", inertial(0.01, 1e-6) + visual(box("1 1 1")) + collision(box("1 1 1")))
+    moved = "<gazebo><plugin name='move' filename='libmove_model.so'/></gazebo>"
+    text = robot(body, f"<gazebo reference='obstacle'><gravity>{gravity}</gravity></gazebo>", moved)
+    (finding,) = find(tmp_path, text, "INR010")
+    assert (finding.message_id, finding.severity) == ("light", severity)
+
+
+@pytest.mark.parametrize(
+    ("shapes", "severity"), [("", Severity.INFO), (collision(box("0.6 0.4 0.3")), Severity.WARNING)]
+)
+def test_a_body_that_a_program_places_may_have_token_masses(tmp_path: Path, shapes: str, severity: Severity) -> None:
+    names = ("base", "holder", "wheel")
+    parts = [link(name, inertial(1e-5, 1e-6) + visual(box("0.6 0.4 0.3")) + shapes) for name in names]
+    joints = [joint(name, "base", name, kind="fixed", xyz="0 0 0.3") for name in names[1:]]
+    (finding,) = find(tmp_path, robot(*parts, *joints), "INR015")
+    assert (finding.message_id, finding.severity) == ("placeholder", severity)
+
+
+def test_stairs_are_scenery(tmp_path: Path) -> None:
+    steps = [
+        link(f"stair_link_{i}", inertial(0.8, 100) + visual(box("0.6 0.3 0.07"), xyz=f"0 {0.15 * i} {0.07 * i}"))
+        for i in range(15)
+    ]
+    joints = [joint(f"j{i}", f"stair_link_{i}", f"stair_link_{i + 1}", kind="fixed") for i in range(14)]
+    assert not find(
+        tmp_path, robot(*steps, *joints).replace("</visual>", f"</visual>{collision(box('0.6 0.3 0.07'))}"), "INR007"
+    )
+
+
+def test_a_robot_with_two_long_arms_stands_still(tmp_path: Path) -> None:
+    """Its body has no COM of its own, which nothing feels; the joints hold the arms."""
+    body = link("body", inertial(20, ixx=0.75, iyy=0.75, izz=0.3) + visual(box("0.3 0.3 0.6"), xyz="0 0 0.3"))
+    parts = [link("base"), body, joint("stands", "base", "body", kind="fixed")]
+    for side, y in (("left", 0.2), ("right", -0.2)):
+        parent = "body"
+        for index in range(6):
+            name = f"{side}_arm_{index}"
+            parts.append(link(name, inertial(1, 0.01, com="0 0 0.05") + visual(box("0.06 0.06 0.1"), xyz="0 0 0.05")))
+            place = f"0 {y} 0.5" if parent == "body" else "0 0 0.1"
+            parts.append(joint(f"{name}_joint", parent, name, LIMIT, kind="revolute", xyz=place, axis="0 1 0"))
+            parent = name
+    found = find(tmp_path, robot(*parts), "INR009")
+    assert not [finding for finding in found if "body" in finding.message and finding.severity > Severity.INFO]

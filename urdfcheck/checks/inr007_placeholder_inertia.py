@@ -50,8 +50,8 @@ _ALONG = 0.9
 _SCENERY = 10.0
 # With parts of a room by name, above this one (chosen).
 _ROOM, _ROOM_NAME = (
-    3.0,
-    re.compile(r"(?:^|[^a-z])(?:floor|wall|ceiling|room|building|corridor)s?(?![a-z])", re.IGNORECASE),
+    2.0,
+    re.compile(r"(?:^|[^a-z])(?:floor|wall|ceiling|room|building|corridor|stair|ramp)s?(?![a-z])", re.IGNORECASE),
 )
 # What only carries sensors stands as firmly with so many times its moments, or one part of these (chosen).
 _OF_STAND = 100.0
@@ -171,9 +171,10 @@ def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a model without joints that move is the ground or the building of a simulated world: nothing moves that."""
     if any(joint.is_movable for joint in model.joints):
         return False
-    boxes = [compute_bounding_box(model, [(s, np.eye(4))]) for name in body.links for s in _list_shapes(model, name)]
+    placed = [(shape, model.piece_frames[name]) for name in body.links for shape in _list_shapes(model, name)]
+    box = compute_bounding_box(model, placed)
     least = _ROOM if any(map(_ROOM_NAME.search, body.links)) else _SCENERY
-    return any(box is not None and float(np.linalg.norm(box[1] - box[0])) > least for box in boxes)
+    return box is not None and float(np.linalg.norm(box[1] - box[0])) > least
 
 
 def _list_shapes(model: Model, name: str) -> Sequence[Shape]:

@@ -235,6 +235,15 @@ def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
     return {}
 
 
+def _hangs_in_the_air(model: Model, body: RigidLinkGroup) -> bool:
+    """Whether a body without joints that move has its gravity turned off: a program places it, and a token mass will do."""
+    if any(joint.is_movable for joint in model.joints):
+        return False
+    from urdfcheck.model.motion.joint_loads import find_weightless_links  # few bodies get here
+
+    return not find_weightless_links(model).isdisjoint(body.links)
+
+
 def _check_too_light(
     model: Model, rule: Rule, body: RigidLinkGroup, *, least: float, thinnest: float
 ) -> Iterator[Finding]:
@@ -260,6 +269,7 @@ def _check_too_light(
     yield rule.finding(
         "light",
         at=heaviest.attribute,
+        severity=Severity.INFO if _hangs_in_the_air(model, body) else None,
         link=heaviest.link.name,
         mass=mass,
         volume=float(f"{volume * 1e6:.3g}"),

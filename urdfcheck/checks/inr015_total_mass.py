@@ -193,12 +193,15 @@ def _build_same_finding(model: Model, rule: Rule, *, total: float) -> Finding:
 
 def _build_placeholder_finding(model: Model, rule: Rule, mass: float) -> Finding:
     """Build the finding about one round number in place of every ``mass`` (kg). It explains what is reported of the links."""
+    from urdfcheck.model.motion.fixed_base import is_untouched  # loads numpy
+
     declared = [one for one in model.masses if one.mass > 0]
     links = [one.link.location.subject for one in declared]
     explained = [f"{code} {subject}" for code in ("INR007", "INR010", "INR012") for subject in links]
     return rule.finding(
         "placeholder",
         at=model.name_location,
+        severity=Severity.INFO if is_untouched(model) else None,
         related=[one.attribute for one in declared[:_MOST_LISTED]],
         robot=model.name,
         mass=mass,

@@ -164,6 +164,10 @@ def _find_habit(
         return None
     different: dict[tuple[str, ...], Evidence] = {}  # copies and mirror images are one piece of evidence
     principal = dict(zip(found.links, np.linalg.eigvalsh([numbers[name].tensor for name in found.links]), strict=True))
+    tensors = {name: numbers[name].tensor.tobytes() for name in found.links}
+    alike: dict[bytes, list[str]] = {}
+    for name, tensor in tensors.items():
+        alike.setdefault(tensor, []).append(name)
     for name, (key, _) in found.links.items():
         if key not in found.evidence:
             evidence = known.evidence.get(key)
@@ -173,6 +177,8 @@ def _find_habit(
                     continue
                 evidence = encode_evidence(measured)
             found.evidence[key] = evidence
-        moments = (numbers[name].mass, *principal[name])
+        # A tensor that links of several masses have is that of one of them at most.
+        is_shared = len({numbers[other].mass for other in alike[tensors[name]]}) > 1
+        moments = (0.0 if is_shared else numbers[name].mass, *principal[name])
         different.setdefault(tuple(f"{value:.3g}" for value in moments), decode_evidence(found.evidence[key]))
     return decide_habit(list(different.values()), list(candidates))

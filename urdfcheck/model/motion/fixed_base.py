@@ -13,7 +13,6 @@ from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import GROUND_NAMES, Joint
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.robot import Model
-from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 from urdfcheck.source.uses_elsewhere import read_includers
 
@@ -33,6 +32,8 @@ _PALM_NAME = re.compile(r"hand|palm|gripper", re.IGNORECASE)
 _ADDS = re.compile(r"<(?:xacro:include|joint|link|plugin|xacro:macro)\b")
 # A root that weighs so many times what the rest of the robot does is ballast: a stand that is not to move.
 _BALLAST = 10.0
+# An arm of a robot with several has at least so many joints that move; a finger has fewer (chosen).
+_ARM_JOINTS = 6
 # A single joint may be the lid of a box.
 _FEWEST_CHAIN_JOINTS = 2
 
@@ -90,7 +91,7 @@ def list_bolted_links(model: Model) -> Sequence[str]:
         return _list_links_on_undeclared_world(model)
     try:
         root = model.tree.root
-        is_held = is_bolted(model) if root in GROUND_NAMES else is_bolted_arm(model)
+        is_held = is_bolted(model) if root in GROUND_NAMES or _carries_long_arms(model) else is_bolted_arm(model)
         return model.tree.list_body_links(root) if is_held else ()
     except FactUnavailableError:  # the mass of the base is not known
         return ()
@@ -105,15 +106,30 @@ def list_unturned_links(model: Model) -> Sequence[str]:
     return links
 
 
+def _carries_long_arms(model: Model) -> bool:
+    """Whether a robot is several limbs on one base, all of them arms by name and one with more joints than a finger has."""
+    deepest = max(
+        (sum(one.is_movable for one in model.tree.find_path_to(name)) for name in model.tree.order), default=0
+    )
+    return deepest >= _ARM_JOINTS and bool(_explain_manipulator(model))
+
+
 @fact
 def is_untouched(model: Model) -> bool:
-    """Whether a model is one part that nothing turns: no joint moves, it collides with nothing, neither a simulator's plugin nor
-    a rotor pushes it, and no file that includes it fixes it to something that moves."""
-    if model.source.is_part or has_elements(model) or any(joint.is_movable for joint in model.joints):
+    """Whether a model is one rigid body that nothing turns: no joint moves, it collides with nothing, neither a simulator's
+    plugin nor a rotor pushes it, and no file that includes it fixes it to something that moves."""
+    if model.source.is_part or _has_drives(model) or any(joint.is_movable for joint in model.joints):
         return False
-    parts = [link for link in model.links if link.inertial is not None or link.visuals or link.collisions]
     names = " ".join(link.name for link in model.links)
-    return len(parts) == 1 and not parts[0].collisions and _MOBILE_NAME.search(names) is None
+    return not any(link.collisions for link in model.links) and _MOBILE_NAME.search(names) is None
+
+
+def _has_drives(model: Model) -> bool:
+    """Whether a robot has plugins, or elements for a simulator other than what a block for Gazebo says about looks."""
+    blocks = model.robot.find_children("gazebo")
+    if any(element.tag in {"plugin", "sensor"} for block in blocks for element in block.walk()):
+        return True
+    return any(model.robot.find_child(tag) is not None for tag in ("mujoco", "ros2_control", "transmission"))
 
 
 @fact

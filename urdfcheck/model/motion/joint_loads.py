@@ -169,11 +169,10 @@ def find_supported_joints(model: Model) -> frozenset[str]:
     if has_buoyancy_plugin(model):
         return frozenset(joint.name for joint in model.joints)
     on_the_ground = {name for name in tree.order if _ROLLING.search(name)}
-    weightless = _find_gazebo_references(model, {"turnGravityOff"}, {"true", "1"}) | _find_gazebo_references(
-        model, {"gravity"}, {"false", "0"}
-    )
     supported = {
-        joint.name for name in (on_the_ground | weightless) & set(tree.order) for joint in tree.find_path_to(name)
+        joint.name
+        for name in (on_the_ground | find_weightless_links(model)) & set(tree.order)
+        for joint in tree.find_path_to(name)
     }
     for loop in (joint for gazebo in model.robot.find_children("gazebo") for joint in gazebo.find_children("joint")):
         ends = [element.text.strip() for tag in ("parent", "child") if (element := loop.find_child(tag)) is not None]
@@ -182,6 +181,12 @@ def find_supported_joints(model: Model) -> frozenset[str]:
     return frozenset(
         supported | {g.get("reference") for g in model.robot.find_children("gazebo") if g.find_child("springStiffness")}
     )
+
+
+def find_weightless_links(model: Model) -> set[str]:
+    """Return the links whose gravity the file turns off in Gazebo."""
+    off = _find_gazebo_references(model, {"turnGravityOff"}, {"true", "1"})
+    return off | _find_gazebo_references(model, {"gravity"}, {"false", "0"})
 
 
 def _find_gazebo_references(model: Model, tags: set[str], answers: set[str]) -> set[str]:
