@@ -830,3 +830,12 @@ def test_visuals_that_are_all_rotated_for_a_viewer(
     assert found
     assert {finding.severity for finding in found} == {severity}
     assert bool(found[0].fix and found[0].fix.edits) == (com == "0 0 0")
+
+
+@pytest.mark.parametrize(("sensor", "severity"), [("camera", Severity.INFO), ("", Severity.WARNING)])
+def test_what_only_carries_a_sensor_may_collide_elsewhere(tmp_path: Path, sensor: str, severity: Severity) -> None:
+    shapes = box("visual", "0.02 0.03 0.07") + box("collision", "0.02 0.03 0.07", "0 0 0.05")
+    block = f"<gazebo reference='lens'><sensor name='s' type='{sensor}'/></gazebo>" if sensor else ""
+    text = robot(link("world"), link("lens", shapes), joint("j", "world", "lens", kind="fixed"), block)
+    (finding,) = find(tmp_path, text, "GEO005")
+    assert finding.severity == severity

@@ -352,3 +352,17 @@ def test_one_tensor_that_links_of_several_masses_have_shows_no_unit_of_the_file(
         parent = f"l{i - 1}" if i else "base"
         parts.append(joint(f"j{i}", parent, f"l{i}", kind="continuous", axis="0 0 1", xyz="0.1 0 0"))
     assert "habit" not in {finding.message_id for finding in find(tmp_path, robot(*parts), "INR009")}
+
+
+@pytest.mark.parametrize(("other", "is_named"), [("0 -0.33 0", False), ("0 -0.0225 0", True)])
+def test_a_row_of_coms_in_another_frame_has_no_lost_point(tmp_path: Path, other: str, is_named: bool) -> None:
+    """The COM of one part is ten times as far as it should be; that of its copy, which is rotated, is somewhere else."""
+    parts = [link("base")]
+    for i, (com, (x, y, z)) in enumerate((("0 -0.225 0", (0.03, 0.06, 0.07)), (other, (0.07, 0.06, 0.03)))):
+        moments = {"ixx": 0.03 * (y * y + z * z), "iyy": 0.03 * (x * x + z * z), "izz": 0.03 * (x * x + y * y)}
+        typed = inertial(0.36, com=com, **{name: f"{value:.6g}" for name, value in moments.items()})
+        parts.append(link(f"servo{i}", typed, visual(box(f"{x} {y} {z}"), xyz="0 -0.0225 0")))
+        parts.append(joint(f"j{i}", "base", f"servo{i}", kind="continuous", axis="0 0 1", xyz=f"{i} 0 0"))
+    found = find(tmp_path, robot(*parts), {"INR006", "INR009"})
+    causes = {finding.cause and finding.cause.id for finding in found if "servo0" in finding.message}
+    assert ("decimal_point" in causes) is is_named

@@ -393,3 +393,16 @@ def test_a_robot_with_two_long_arms_stands_still(tmp_path: Path) -> None:
             parent = name
     found = find(tmp_path, robot(*parts), "INR009")
     assert not [finding for finding in found if "body" in finding.message and finding.severity > Severity.INFO]
+
+
+def test_a_drawer_does_not_feel_the_tensor_of_its_walls(tmp_path: Path) -> None:
+    """The tensor was typed for parts without a drawing, too, which turn: it is not known that it is wrong there."""
+    typed = inertial(0.1, 0.1)
+    parts = [link("world"), link("wall", typed + visual(box("0.013 0.3 0.1"))), link("door", typed)]
+    joints = [
+        joint("slides", "world", "wall", LIMIT, kind="prismatic", axis="0 1 0"),
+        joint("turns", "world", "door", LIMIT, kind="revolute", axis="0 0 1"),
+    ]
+    (finding,) = find(tmp_path, robot(*parts, *joints), "INR007")
+    assert (finding.message_id, finding.severity) == ("bolted", Severity.INFO)
+    assert "door" not in finding.message

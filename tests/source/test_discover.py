@@ -178,6 +178,8 @@ def test_a_file_that_may_have_lost_its_content_is_a_model(workspace: Path, text:
     [
         ({}, True),
         ({"p/test/a.test.py": "open('r.urdf')"}, True),
+        ({"p/test/a.launch": '<launch><param name="d" textfile="$(find p)/test/data/r.urdf"/></launch>'}, True),
+        ({"p/test/a.launch.py": "get('p') + '/test/data/r.urdf'"}, True),
         ({"p/launch/a.launch.py": "get('p') + '/test/data/r.urdf'"}, False),
         ({"p/launch/a.launch": '<launch><param name="d" textfile="$(find p)/test/data/r.urdf"/></launch>'}, False),
         ({"p/urdf/big.xacro": xacro(LINK + include("../test/data/r.urdf"))}, False),

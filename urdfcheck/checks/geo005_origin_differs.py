@@ -65,7 +65,7 @@ def check(
             else None,
             # The COM is on the side of the collision: to move that would spoil it.
             edits=displaced.propose_edits() if is_known and nearer <= 1.0 and not is_for_several else (),
-            severity=Severity.WARNING if is_wide and not is_viewed else None,
+            severity=Severity.WARNING if is_wide and not is_viewed and not _only_carries_sensors(model) else None,
             repair=_DRAWING
             if is_viewed
             else _FEWER.format(displaced.counts[0])
@@ -84,6 +84,13 @@ def check(
             explains=[f"GEO003 {displaced.link.element.label}"] if displaced.moved > apart else [],
             xyz="" if xyz is None else xyz.value,
         )
+
+
+def _only_carries_sensors(model: Model) -> bool:
+    """Whether a model is a stand with sensors, such as a camera on the ceiling, which hardly anything touches."""
+    from urdfcheck.model.motion.fixed_base import is_sensor_stand  # loads numpy
+
+    return is_sensor_stand(model)
 
 
 def _list_rotated_drawings(

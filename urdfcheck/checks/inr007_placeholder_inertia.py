@@ -122,6 +122,8 @@ def _check(
             known = [suspect for suspect in group if suspect.misfit is not None] if wrong else []
             fits_some = any(suspect.factor <= factor for suspect in known)
             alike = _count_masses(group) < _FEWEST_MASSES and (fits_some or not wrong)
+            # Of the parts that slide, which are known, those that turn have no tensor of another part.
+            alike |= wrong and _count_masses(unknown) < _FEWEST_MASSES and not _turns_any(model, known, factor)
             yield _build_tensor_finding(
                 model,
                 rule,
@@ -131,6 +133,12 @@ def _check(
                 is_chosen=is_chosen,
             )
     yield from _check_equal_masses(model, rule, fraction=fraction, spread=spread)
+
+
+def _turns_any(model: Model, known: Iterable[_PlaceholderInertial], factor: float) -> bool:
+    """Whether anything turns one of the links whose tensors are so many times off."""
+    unturned = list_unturned_links(model)
+    return any(one.factor > factor and one.declared.link.name not in unturned for one in known)
 
 
 def _count_masses(suspects: Iterable[_PlaceholderInertial]) -> int:

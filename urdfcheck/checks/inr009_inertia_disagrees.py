@@ -11,7 +11,7 @@ import numpy as np
 from urdfcheck.core import Confidence, FactUnavailableError, Finding, Located, Rule, Severity
 from urdfcheck.core.merging import build_group_finding, merge_identical
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.facts.inertials.certainty import EXACT, UNIFORM
+from urdfcheck.facts.inertials.certainty import EXACT, FAR, UNIFORM
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
@@ -325,6 +325,8 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
     diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, tensor.link)
     if diagnosis.cause == "inertia_unit" and _is_typed_for_all(model, tensor, judged):
         return True
+    if diagnosis.cause == "decimal_point" and diagnosis.detail.startswith("com ") and _is_row_elsewhere(model, tensor):
+        return True
     if (
         diagnosis.cause not in _CAD_MISTAKES
         or diagnosis.judged_by != "mesh"
@@ -337,6 +339,21 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
     moments = [tensor.element.attributes[name] for name in MOMENTS]
     is_formula = all(map(is_computed_from_lengths, moments)) or has_round_solid(tensor, judged.declared.mass)
     return diagnosis.mended_tensor_mismatch > EXACT and is_formula
+
+
+def _is_row_elsewhere(model: Model, tensor: DeclaredTensor) -> bool:
+    """Whether another link with the same mass and principal moments has its COM far from what it draws, for another reason or
+    none: the COMs of a row of parts are in another frame, and a power of ten brings one of them near by chance."""
+    own = inertial_diagnoses(model)[tensor.link.name].declared
+    moments = np.linalg.eigvalsh(own.tensor)
+    return any(
+        name != tensor.link.name
+        and judged.declared.mass == own.mass
+        and judged.diagnosis.com_mismatch > FAR
+        and judged.diagnosis.cause != "decimal_point"
+        and np.allclose(np.linalg.eigvalsh(judged.declared.tensor), moments, rtol=_ROUND, atol=0.0)
+        for name, judged in inertial_diagnoses(model).items()
+    )
 
 
 def _is_typed_for_all(model: Model, tensor: DeclaredTensor, judged: DiagnosedInertial) -> bool:

@@ -421,6 +421,7 @@ class _Planner:
                         path=model,
                         arguments=self.arguments,
                         launches=(path,) if is_only else (),
+                        is_test_data=self.is_data_of_test(model, path),
                         xacro=True if is_only and launch.runs_xacro else None,
                     )
                 )
@@ -435,10 +436,16 @@ class _Planner:
                         path=model,
                         arguments={**description.arguments, **self.arguments},
                         launches=(path,),
+                        is_test_data=self.is_data_of_test(model, path),
                         unknown=description.unknown_arguments - self.arguments.keys(),
                         xacro=description.uses_xacro,
                     )
                 )
+
+    def is_data_of_test(self, path: Path, launch: Path) -> bool:
+        """Whether a launch file of tests starts a model which only tests read, in one of the given folders."""
+        given = (self.folders[folder] for folder in self.given_folders if folder in self.folders)
+        return any(folder.is_data_of_test(path, launch) for folder in given)
 
     def may_be_robot(self, path: Path) -> bool:
         """Whether what a launch file names as a model is not a semantic description, which xacro may also make."""

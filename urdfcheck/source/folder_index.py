@@ -227,6 +227,18 @@ class FolderIndex:
         it."""
         return (self._is_in_tests(path) or self._is_kept_copy(path)) and path.name not in self._names_outside_tests
 
+    def is_data_of_test(self, path: Path, launch: Path) -> bool:
+        """Whether a file is data of tests that a launch file in a folder of tests starts; both may be outside this folder."""
+        own = self.path.absolute()
+        if not (path.absolute().is_relative_to(own) and launch.absolute().is_relative_to(own)):
+            return False
+        here, there = (self.path / one.absolute().relative_to(own) for one in (path, launch))
+        return (
+            self._is_in_folder(there, _is_test_folder)
+            and self._is_in_folder(here, _is_test_folder)
+            and (self.is_test_data(here))
+        )
+
     def is_kept_aside(self, path: Path) -> bool:
         """Whether a file is in a folder of files that are kept and not used below this one, or is an old copy of one beside it;
         files in folders of tests aside, which tests may read."""

@@ -51,7 +51,8 @@ class ModelTarget:
     is_spare: bool = False
     """Whether it is expanded only if no model turns out to be made of it."""
     is_test_data: bool = False
-    """Whether it was found in a folder of tests, and nothing outside such folders starts it, includes it or names it."""
+    """Whether it was found in a folder of tests, and nothing outside such folders starts it, includes it or names it. A launch
+    file of the tests may start it."""
     is_kept_aside: bool = False
     """Whether the same is true of it because it is kept and not used."""
     xacro: bool | None = None
