@@ -132,7 +132,7 @@ def test_a_placeholder_that_its_body_does_not_feel_is_no_thinner_part(tmp_path: 
 def test_a_light_sensor_on_a_heavy_body_is_no_error(tmp_path: Path) -> None:
     text = robot(
         link("world_base"),
-        joint("drive", "world_base", "body"),
+        joint("drive", "world_base", "body", kind="continuous", axis="0 0 1"),
         link("body", inertial(1, ixx="0.0031", iyy="0.0029", izz="0.0041"), visual(box("0.15 0.15 0.12"))),
         joint("screws", "body", "sensor", kind="fixed"),
         link("sensor", inertial(1e-4, "0.001"), visual(box("0.01 0.01 0.01"))),
