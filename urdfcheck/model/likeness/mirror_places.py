@@ -45,8 +45,8 @@ _OF_AXES = frozenset({"axis", "opposed", "steering", "together", "crosswise", "r
 _OF_ANGLES = frozenset({"turned", "turned_pair"})
 # Metres within which two exports of one assembly differ in several coordinates, each by this share of the distance (chosen).
 _MINOR, _NOTABLE = 5e-3, 0.2
-# Less than this share of the distance between the two joints is nothing that a robot or a controller feels (chosen).
-_UNFELT = 4e-3
+# Less than both (m, and a share of the distance between the two joints) is nothing that a robot or a controller feels (chosen).
+_UNFELT, _UNFELT_SHARE = 2e-3, 4e-3
 # A place is off along an axis where it is off by no more than this share in other directions, and an axis is across a line that
 # has this share of its length across the axis (chosen).
 _SIDEWAYS, _ACROSS = 0.05, 0.95
@@ -164,7 +164,7 @@ def _describe_misplaced_joint(model: Model, off: MisplacedJoint) -> PlaceMistake
             return PlaceMistake(message="stacked", joints=both, at=at, related=(related,), data=data, is_minor=True)
         apart = float(np.linalg.norm(np.subtract(*(model.frames[joint.child][:3, 3] for joint in both))))
         is_of_several = int((away > _NOTABLE * off.distance).sum()) > 1
-        is_minor = off.distance < _MINOR and (is_of_several or off.distance < _UNFELT * apart)
+        is_minor = off.distance < _MINOR and (is_of_several or off.distance < min(_UNFELT, _UNFELT_SHARE * apart))
         return PlaceMistake(message="origin", joints=both, at=at, related=(related,), data=data, is_minor=is_minor)
     at, related = (locate_origin_attribute(joint, "rpy") if off.turned else joint.axis_location for joint in both)
     data["angle"] = math.degrees(off.angle)
