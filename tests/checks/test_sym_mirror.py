@@ -1396,3 +1396,23 @@ def test_a_part_that_is_rotated_with_its_frame_has_another_zero(tmp_path: Path) 
     robot = with_(ROBOT, "joint[@name='right_shoulder_joint']/origin", rpy="0.3 0 0")
     found = find(tmp_path, ET.tostring(robot, encoding="unicode"), {"SYM001"})
     assert [finding.message_id for finding in found] == ["pair"]
+
+
+def test_coms_that_are_both_elsewhere_are_no_models_of_each_other(tmp_path: Path) -> None:
+    """Palms with one COM typed for both hands, inside the torso and far from the palms."""
+    robot = copy.deepcopy(ROBOT)
+    for side, y in (("left", 0.03), ("right", -0.03)):
+        robot.append(
+            make_box_link(
+                f"{side}_palm", [((0.04, 0.03, 0.05), (0.01, y, -0.02)), ((0.02, 0.03, 0.02), (0.03, 1.8 * y, 0.02))]
+            )
+        )
+        robot.append(
+            make_motor_joint(f"{side}_palm_joint", "torso", f"{side}_palm", (0, 0.6 * y, 0.1), (1, 0, 0), (0, 0))
+        )
+        robot[-1].set("type", "fixed")
+        robot = with_(robot, f"link[@name='{side}_palm']/inertial/origin", xyz="0.01 0.12 0.2")
+    finding = next(f for f in find_mirror_defects(tmp_path, robot) if "palm" in f.message and f.code == "SYM004")
+    assert finding.message_id == "both"
+    assert finding.fix is not None
+    assert "neither is near" in finding.fix.title
