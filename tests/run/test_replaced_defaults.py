@@ -178,3 +178,49 @@ def test_the_html_report_shows_what_the_defaults_alone_would_cause(tmp_path: Pat
     run = find(tmp_path, {"launch/arm.launch.py": COMPUTED}, unrequested=frozenset({"INR002", "GEO001"}))
     shown = list_refusing_notes(run)
     assert sorted(finding.code for finding in shown.findings) == ["GEO001", "INR002"]
+
+
+TOOL = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="prefix" default=""/>
+<link name="base"/><link name="$(arg prefix)base"/>
+<joint name="mount" type="fixed"><parent link="base"/><child link="$(arg prefix)base"/></joint>
+<link name="tool"><inertial><mass value="1"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="{}"/></inertial></link>
+<joint name="j" type="fixed"><parent link="base"/><child link="tool"/></joint></robot>"""
+PREFIXED = f"Command(['xacro ', {XACRO}, ' prefix:=', 'left_'])"
+
+
+def find_in_tool(folder: Path, launches: dict[str, str], *, largest: str = "1") -> Run:
+    files = {"package.xml": PACKAGE, "urdf/arm.urdf.xacro": TOOL.format(largest), **launches}
+    for name, text in files.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    codes = {"KIN001", "KIN006", "INR003"}
+    return check(folder / "urdf/arm.urdf.xacro", codes=codes, unrequested=frozenset({"KIN006", "INR003"}))
+
+
+def test_what_a_model_lacks_as_it_is_started_is_not_listed(tmp_path: Path) -> None:
+    run = find_in_tool(tmp_path, {"launch/a.launch.py": PREFIXED}, largest="9")
+    assert list_codes(run) == ["INR003", "KIN001"], "the tensor is impossible however it is started"
+    assert {f.code: f.message_id for f in run.findings}["KIN001"] == "default"
+    (line,) = [skip for skip in run.skipped if skip.code == SkippedCheck.DEFAULTS]
+    assert line.reason == (
+        "what comes from the default of prefix; a.launch.py passes another value: check with these, --arg prefix:=left_"
+    )
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        {"launch/b.launch.py": f"Command(['xacro ', {XACRO}])"},
+        {"launch/b.launch.py": f"Command(['xacro ', {XACRO}, ' prefix:=', ''])"},
+        {"README.md": "    xacro urdf/arm.urdf.xacro > arm.urdf"},
+    ],
+)
+def test_it_is_listed_where_one_start_leaves_the_defaults(tmp_path: Path, other: dict[str, str]) -> None:
+    run = find_in_tool(tmp_path, {"launch/a.launch.py": PREFIXED, **other})
+    assert "KIN006" in list_codes(run)
+
+
+def test_a_launch_file_may_hand_the_value_to_another(tmp_path: Path) -> None:
+    handed = "launch_arguments={'description_file': 'arm.urdf.xacro', 'prefix': 'left_'}.items()"
+    run = find_in_tool(tmp_path, {"launch/a.launch.py": PREFIXED, "launch/b.launch.py": handed})
+    assert list_codes(run) == ["KIN001"]

@@ -71,11 +71,13 @@ def split_replaced_defaults(
     rules: Mapping[str, Rule],
     *,
     replaced: AbstractSet[str],
+    kinds: AbstractSet[tuple[str, str]],
     unrequested: frozenset[str],
     graded: AbstractSet[str],
 ) -> tuple[list[Finding], list[Finding]]:
     """Split off the errors and warnings that defaults of arguments cause which no file that starts the model leaves as they are:
-    these are notes on request. ``replaced``: these arguments; ``graded``: codes whose severity is given.
+    these are notes on request. ``replaced``: these arguments; ``kinds``: codes and messages that the model does not have as it is
+    started; ``graded``: codes whose severity is given.
 
     If one of them is about a mass or an inertia, so is what the masses of the whole robot lead to, for it starts with others.
     """
@@ -83,6 +85,7 @@ def split_replaced_defaults(
     caused = [finding for finding in listed if not replaced.isdisjoint(list_argument_names(finding))]
     if any(_is_of_dynamics(finding, rules) for finding in caused):
         caused += [f for f in listed if f.location.subject.startswith("robot[") and _is_of_dynamics(f, rules)]
+    caused += [finding for finding in listed if (finding.code, finding.message_id) in kinds]
     aside = {id(finding) for finding in caused}
     reported: list[Finding] = []
     left_out: list[Finding] = []

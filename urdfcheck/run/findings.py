@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from urdfcheck.core import Finding, Rule, Severity, SkippedCheck, Span
 from urdfcheck.core.merging import merge_same_text
@@ -41,6 +41,9 @@ from urdfcheck.run.shared_findings import merge_across_models, merge_kinds, merg
 from urdfcheck.run.typed_places import locate_typed_values
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 from urdfcheck.source.text.xml import Element
+
+if TYPE_CHECKING:
+    from urdfcheck.model.use.started_variants import StartedVariant
 
 
 def admit_finding(finding: Finding, rule: Rule, policy: Policy) -> Finding:
@@ -69,6 +72,11 @@ class FinalFindings:
     """Rules of which more findings were reported than the report lists."""
 
 
+# The code and the message of findings.
+Kind = tuple[str, str]
+KindsFinder = Callable[[AbstractSet[Kind]], "tuple[AbstractSet[Kind], Sequence[StartedVariant]]"]
+# How many of the options with which to check a model are written out.
+_MOST_OPTIONS = 3
 # What a report says of models that are data of tests, and of those that are kept and not used.
 _FOR_TESTS = "of test data only errors are reported; name the file to see all"
 _KEPT_ASIDE = (
@@ -87,13 +95,15 @@ def finalize_unit_findings(
     texts: Mapping[str, str] | None = None,
     joins_simulated: bool = True,
     find_replaced_defaults: Callable[[AbstractSet[str]], Mapping[str, Path]] | None = None,
+    find_kinds_of_defaults: KindsFinder | None = None,
 ) -> FinalFindings:
     """Turn the admitted findings of one unit into those of its report.
 
     ``rules``: the rules that ran; ``comments``: suppression comments of its files; ``root``: the expanded model, if any;
     ``texts``: its files by name; ``joins_simulated``: whether what a simulation shows is joined to the finding that explains it;
     ``find_replaced_defaults``: returns those of the model's arguments whose defaults no file that starts it leaves as they are,
-    each with such a file.
+    each with such a file. ``find_kinds_of_defaults``: returns those of the kinds of findings that the model has with its defaults
+    and not as it is started, and how it is started then.
     """
     located = locate_typed_values(list(findings), root, texts or {})
     # Before merging: of six links that one macro line makes, a single one may be suppressed.
@@ -109,10 +119,12 @@ def finalize_unit_findings(
     elif root is not None and is_posed(root) and (SIMULATORS - {"gazebo"}).isdisjoint(policy.targets):
         marked = leave_out_unfelt_dynamics(marked, rules)
     replaced = _find_replaced_defaults(marked, find_replaced_defaults)
+    kinds, variants = _find_kinds_of_defaults(marked, find_kinds_of_defaults)
     marked, of_defaults = split_replaced_defaults(
         marked,
         rules,
         replaced=replaced.keys(),
+        kinds=kinds,
         unrequested=frozenset() if policy.pedantic else policy.unrequested,
         graded=policy.severities.keys(),
     )
@@ -139,7 +151,9 @@ def finalize_unit_findings(
         for code in list_held_back(finding)
     ]
     if of_defaults:
-        skips.append(SkippedCheck(SkippedCheck.DEFAULTS, unit.id, _describe_defaults(replaced), is_partial=True))
+        skips.append(
+            SkippedCheck(SkippedCheck.DEFAULTS, unit.id, _describe_defaults(replaced, variants), is_partial=True)
+        )
     if policy.is_kept_aside and unrequested:
         skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _KEPT_ASIDE, is_partial=True))
     elif policy.is_for_tests and unrequested:
@@ -165,13 +179,30 @@ def _find_replaced_defaults(
     return {} if find is None or not names else find(names)
 
 
-def _describe_defaults(replaced: Mapping[str, Path]) -> str:
+def _find_kinds_of_defaults(
+    findings: Iterable[Finding], find: KindsFinder | None
+) -> tuple[AbstractSet[Kind], Sequence[StartedVariant]]:
+    """Return the kinds of errors and warnings that a model has with its defaults alone, and how it is started. A finding that
+    names the declaration of an argument is about the default itself."""
+    kinds = {
+        (finding.code, finding.message_id)
+        for finding in findings
+        if finding.severity > Severity.INFO and not finding.blocks_check
+        if not any(place.subject.startswith("xacro:arg[") for place in finding.related)
+    }
+    return (frozenset(), ()) if find is None or not kinds else find(kinds)
+
+
+def _describe_defaults(replaced: Mapping[str, Path], variants: Sequence[StartedVariant]) -> str:
     """Say why what defaults cause is not listed, and how to check the model with what it is started with."""
-    names = join_names(list(replaced), 4)
-    first, starter = next(iter(replaced.items()))
-    defaults, others = ("default", "another value") if len(replaced) == 1 else ("defaults", "other values")
+    values = {name: value for variant in reversed(variants) for name, value in variant.arguments.items()}
+    starters = [*(variant.starter for variant in variants), *replaced.values()]
+    names = sorted({*values, *replaced})
+    defaults, others = ("default", "another value") if len(names) == 1 else ("defaults", "other values")
+    options = " ".join(f"--arg {name}:={values.get(name, '…')}" for name in names[:_MOST_OPTIONS])
     return (
-        f"what comes from the {defaults} of {names}; {starter.name} passes {others}: check with these, --arg {first}:=…"
+        f"what comes from the {defaults} of {join_names(names, 4)}; {starters[0].name} passes {others}: "
+        f"check with these, {options}"
     )
 
 

@@ -11,7 +11,7 @@ import operator
 import os
 import time
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 from dataclasses import replace
 from functools import cache, partial
@@ -68,6 +68,7 @@ if TYPE_CHECKING:
     from urdfcheck.core.seams import SeamFact
     from urdfcheck.export.index.source_index import SourceIndex
     from urdfcheck.export.link_pairs import LinkPairs
+    from urdfcheck.model.use.started_variants import StartedVariant
     from urdfcheck.source.launch.launch_file import Launch
 
 _TIER_OF_NEED = {
@@ -267,15 +268,7 @@ class _UnitAudit:
     def load_source(self) -> Source:
         """Read and expand the model."""
         path = Path(self.unit.path)
-        source = load_source(
-            path,
-            self.unit.arguments,
-            self.make_finder(path),
-            is_part=self.unit.is_part,
-            xacro=self.unit.is_xacro,
-            environment=frozenset(self.options.environment),
-            launches=tuple(map(Path, self.unit.launches)),
-        )
+        source = self.load_with_arguments(self.unit.arguments)
         self.texts.update({name: file.text for name, file in source.files.items()})
         for problem in source.find_problems("unreadable"):
             if problem.location.file == source.name and problem.message != OUT_OF_REACH and path.is_file():
@@ -284,6 +277,19 @@ class _UnitAudit:
             message = f"expansion-{problem.kind.partition('-')[0]}"
             self.findings.append(report_stopped_unit(self.unit, self.settings, message, problem=problem))
         return source
+
+    def load_with_arguments(self, arguments: Mapping[str, str]) -> Source:
+        """Read the model and expand it with these arguments."""
+        path = Path(self.unit.path)
+        return load_source(
+            path,
+            arguments,
+            self.make_finder(path),
+            is_part=self.unit.is_part,
+            xacro=self.unit.is_xacro,
+            environment=frozenset(self.options.environment),
+            launches=tuple(map(Path, self.unit.launches)),
+        )
 
     def build_model(self, source: Source, robot: Element) -> Model:
         """Return the robot of an expanded source, whose root element is ``robot``."""
@@ -405,6 +411,44 @@ class _UnitAudit:
 
         return self.run_guarded("defaults", lambda: find_replaced_defaults(source, names)) or {}
 
+    def find_kinds_of_defaults(
+        self, kinds: AbstractSet[tuple[str, str]]
+    ) -> tuple[AbstractSet[tuple[str, str]], Sequence[StartedVariant]]:
+        """Return those of these codes and messages that the model has with its defaults and not as it is started, and how it is
+        started then."""
+        if self.source is None or self.model is None:
+            return frozenset(), ()
+        from urdfcheck.model.use.started_variants import list_replacing_variants  # few models have errors or warnings
+
+        variants = list_replacing_variants(self.source)
+        given = [{**self.source.arguments, **variant.arguments} for variant in variants]
+        left = self.run_guarded("defaults", partial(self.leave_kinds_of_defaults, kinds, given)) if given else None
+        return (left, variants) if left else (frozenset(), ())
+
+    def leave_kinds_of_defaults(
+        self, kinds: AbstractSet[tuple[str, str]], given: Iterable[Mapping[str, str]]
+    ) -> AbstractSet[tuple[str, str]]:
+        """Leave those of these codes and messages that the model has with none of these arguments."""
+        left = {(code, message) for code, message in kinds if code in self.rules}
+        for arguments in given:
+            source = self.load_with_arguments(arguments)
+            if source.root is None or not left:
+                return frozenset()
+            subjects = {"file": source, "model": self.build_model(source, source.root)}
+            for rule in [self.rules[code] for code in {code for code, _ in left}]:
+                about = [subjects.get(scope) for scope in rule.scopes]
+                try:
+                    found = [
+                        f for s in about if s is not None for f in load_check(rule)(s, rule, **self.get_options(rule))
+                    ]
+                    left -= {(rule.code, finding.message_id) for finding in found}
+                    is_known = None not in about
+                except FactUnavailableError:
+                    is_known = False
+                if not is_known:
+                    left = {kind for kind in left if kind[0] != rule.code}
+        return left
+
     # -- running checks ----------------------------------------------------------------------------------------
 
     def run_checks(self, scope: str, subject: Any) -> None:
@@ -506,6 +550,7 @@ class _UnitAudit:
             texts=self.texts,
             joins_simulated=not self.options.drop,  # there it is what was asked for
             find_replaced_defaults=self.find_replaced_defaults,
+            find_kinds_of_defaults=self.find_kinds_of_defaults,
         )
         usages = assess_comments(
             comments,

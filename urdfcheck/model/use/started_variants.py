@@ -128,9 +128,30 @@ def list_started_variants(source: Source) -> tuple[StartedVariant, ...]:
     return tuple(found.values())
 
 
+def list_replacing_variants(source: Source) -> tuple[StartedVariant, ...]:
+    """Return the variants of a model that no file and no command starts with its defaults alone; else nothing."""
+    variants = list_started_variants(source)
+    if not variants or any(variant.contradicts_model for variant in variants) or is_started_with_defaults(source):
+        return ()
+    defaults = _read_defaults(source)
+    given = [(name, value) for variant in variants for name, value in variant.arguments.items()]
+    if any(parse_number(defaults.get(name, "")) is not None and parse_number(value) is None for name, value in given):
+        return ()  # `false` may be the same as 0
+    commands = list_arguments_of_commands(source.path, source.finder)
+    return () if any(passed.isdisjoint(name for name, _ in given) for passed in commands) else variants
+
+
 def is_started_with_defaults(source: Source) -> bool:
-    """Whether a launch file names the model and passes it nothing, or nothing that its defaults are not."""
-    return any(not changed for _, changed in _list_changes(source))
+    """Whether a launch file names the model and passes it nothing, or nothing that its defaults are not.
+
+    One that gives a value to an argument which others pass to the model may hand it to a launch file that it includes.
+    """
+    changes = _list_changes(source)
+    names = {name for _, changed in changes for name in changed}
+    return any(
+        not changed and not any(name not in passed and may_pass_argument(starter, name) for name in names)
+        for (starter, changed), (_, passed) in zip(changes, _list_argument_sets(source) if changes else (), strict=True)
+    )
 
 
 def find_passing_starter(source: Source, names: Collection[str]) -> Path | None:
