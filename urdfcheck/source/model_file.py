@@ -52,15 +52,16 @@ _FIRST_TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
 _FOREIGN_ROOTS = frozenset({"sdf", "world", "mujoco", "launch"})
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
-# [URDF_ATTRIBUTE] in place of an attribute or a package, as MoveIt's setup assistant has it, "<your-package>" in a value, and the
-# value "__robot_name__".
+# [URDF_ATTRIBUTE] in place of an attribute and the package [NAME], as MoveIt's setup assistant has them, "<your-package>" in a value,
+# and the value "__robot_name__".
 _PLACEHOLDERS = (
     ("{{", re.compile(r"(?<!\$)(\{\{\s*[A-Za-z_][\w.]*\s*\}\})")),
     ("{%", re.compile(r"(\{%-?\s*\w+[^%\n]*%\})")),
     ("<%", re.compile(r"(<%=?[^%\n]*%>)")),
     ("$", re.compile(r"(\$(?=\w*[A-Z])[A-Za-z_]\w{3,}\$)")),
     ("@", re.compile(r"(@[A-Z][A-Z0-9_]+@)")),
-    ("[", re.compile(r"(\[[A-Z][A-Z0-9]*_[A-Z0-9_]*\])(?=\s*/?>|\)/)")),
+    ("[", re.compile(r"(\[[A-Z][A-Z0-9]*_[A-Z0-9_]*\])(?=\s*/?>)")),
+    ("$(find", re.compile(r"\$\(find(?:-pkg-share)? +(\[[A-Z][A-Z0-9_]*\])\)")),
     ('="', re.compile(r"=\"[^\"<>\n]*(<[A-Za-z]\w*(?:[ _.-]\w+)*>)[^\"<>\n]*\"")),
     ('="__', re.compile(r"\b(?:value|default)=\"(__[a-z0-9]+(?:_[a-z0-9]+)+__)\"")),
 )
