@@ -52,8 +52,8 @@ _FIRST_TAG = re.compile(r"<([A-Za-z_][\w:.-]*)")
 _FOREIGN_ROOTS = frozenset({"sdf", "world", "mujoco", "launch"})
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
-# [URDF_ATTRIBUTE] in place of an attribute and the package [NAME], as MoveIt's setup assistant has them, "<your-package>" in a value,
-# and the value "__robot_name__".
+# [URDF_ATTRIBUTE] in place of an attribute and the package [NAME], as MoveIt's setup assistant has them, "<your-package>" in a
+# value, and the value "__robot_name__".
 _PLACEHOLDERS = (
     ("{{", re.compile(r"(?<!\$)(\{\{\s*[A-Za-z_][\w.]*\s*\}\})")),
     ("{%", re.compile(r"(\{%-?\s*\w+[^%\n]*%\})")),
