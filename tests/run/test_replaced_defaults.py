@@ -213,6 +213,11 @@ def test_what_a_model_lacks_as_it_is_started_is_not_listed(tmp_path: Path) -> No
         {"launch/b.launch.py": f"Command(['xacro ', {XACRO}])"},
         {"launch/b.launch.py": f"Command(['xacro ', {XACRO}, ' prefix:=', ''])"},
         {"README.md": "    xacro urdf/arm.urdf.xacro > arm.urdf"},
+        # The value is another program's, or is given in another command of the same file.
+        {"launch/b.launch.py": f"Command(['xacro ', {XACRO}]); Node(parameters=[{{'prefix': 'left_'}}])"},
+        {"launch/b.launch.py": f"{PREFIXED}; Command(['xacro ', {XACRO}])"},
+        # Of so many starts, not all are tried.
+        {f"launch/{i}.launch.py": PREFIXED.replace("left_", f"arm{i}_") for i in range(6)},
     ],
 )
 def test_it_is_listed_where_one_start_leaves_the_defaults(tmp_path: Path, other: dict[str, str]) -> None:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from urdfcheck.core import Finding, Rule, Severity, SkippedCheck, Span
 from urdfcheck.core.merging import merge_same_text
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import format_count, join_names
+from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.gazebo import is_posed
 from urdfcheck.policy.consumers import SIMULATORS, apply_severity_policy
 from urdfcheck.policy.fix_safety import lead_to_xacro, mark_unsafe_across_models, mark_unsafe_in_model
@@ -195,11 +195,12 @@ def _find_kinds_of_defaults(
 
 def _describe_defaults(replaced: Mapping[str, Path], variants: Sequence[StartedVariant]) -> str:
     """Say why what defaults cause is not listed, and how to check the model with what it is started with."""
-    values = {name: value for variant in reversed(variants) for name, value in variant.arguments.items()}
+    # One start at a time: the values of several need not go together.
+    values = variants[0].arguments if variants else {}
     starters = [*(variant.starter for variant in variants), *replaced.values()]
     names = sorted({*values, *replaced})
     defaults, others = ("default", "another value") if len(names) == 1 else ("defaults", "other values")
-    options = " ".join(f"--arg {name}:={values.get(name, '…')}" for name in names[:_MOST_OPTIONS])
+    options = " ".join(format_argument_option(name, values.get(name)) for name in names[:_MOST_OPTIONS])
     return (
         f"what comes from the {defaults} of {join_names(names, 4)}; {starters[0].name} passes {others}: "
         f"check with these, {options}"

@@ -431,8 +431,8 @@ class _UnitAudit:
         """Leave those of these codes and messages that the model has with none of these arguments."""
         left = {(code, message) for code, message in kinds if code in self.rules}
         for arguments in given:
-            source = self.load_with_arguments(arguments)
-            if source.root is None or not left:
+            source = self.load_with_arguments(arguments) if left else None
+            if source is None or source.root is None:
                 return frozenset()
             subjects = {"file": source, "model": self.build_model(source, source.root)}
             for rule in [self.rules[code] for code in {code for code, _ in left}]:

@@ -129,9 +129,12 @@ def list_started_variants(source: Source) -> tuple[StartedVariant, ...]:
 
 
 def list_replacing_variants(source: Source) -> tuple[StartedVariant, ...]:
-    """Return the variants of a model that no file and no command starts with its defaults alone; else nothing."""
+    """Return the variants of a model that no file and no command starts with its defaults alone; nothing where one does, or where
+    there may be more variants than are tried."""
     variants = list_started_variants(source)
-    if not variants or any(variant.contradicts_model for variant in variants) or is_started_with_defaults(source):
+    if not 0 < len(variants) < _MOST_VARIANTS or any(variant.contradicts_model for variant in variants):
+        return ()
+    if is_started_with_defaults(source):
         return ()
     defaults = _read_defaults(source)
     given = [(name, value) for variant in variants for name, value in variant.arguments.items()]
@@ -142,15 +145,22 @@ def list_replacing_variants(source: Source) -> tuple[StartedVariant, ...]:
 
 
 def is_started_with_defaults(source: Source) -> bool:
-    """Whether a launch file names the model and passes it nothing, or nothing that its defaults are not.
+    """Whether a launch file names the model and passes it nothing, or nothing that its defaults are not, in one of its commands.
 
     One that gives a value to an argument which others pass to the model may hand it to a launch file that it includes.
     """
     changes = _list_changes(source)
     names = {name for _, changed in changes for name in changed}
+    real = os.path.realpath(source.path)
+
+    def replaces(starter: Path, passed: Mapping[str, str], changed: Mapping[str, str], name: str) -> bool:
+        is_other = name in changed or (name not in passed and may_pass_argument(starter, name))
+        return is_other and not leaves_argument_out(starter, name, real, source.finder)
+
+    sets = _list_argument_sets(source) if changes else ()
     return any(
-        not changed and not any(name not in passed and may_pass_argument(starter, name) for name in names)
-        for (starter, changed), (_, passed) in zip(changes, _list_argument_sets(source) if changes else (), strict=True)
+        not any(replaces(starter, passed, changed, name) for name in names)
+        for (starter, changed), (_, passed) in zip(changes, sets, strict=True)
     )
 
 
