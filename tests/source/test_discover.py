@@ -131,6 +131,12 @@ def test_what_xacro_writes_is_no_placeholder(workspace: Path, typed: str) -> Non
     assert models(".") == ["r.urdf.xacro"]
 
 
+def test_a_default_that_says_not_given_is_no_placeholder(workspace: Path) -> None:
+    given = '<xacro:arg name="tool" default="__not_set__"/><xacro:property name="a" value="__not_set__"/>'
+    write(workspace, {"r.urdf.xacro": f'<robot name="r">{given}<link name="a"/></robot>'})
+    assert models(".") == ["r.urdf.xacro"]
+
+
 def test_settings_of_eclipse_are_no_launch_file_of_ros(workspace: Path) -> None:
     """Eclipse, and tools that are built on it, such as STM32CubeIDE, keep how to start a program in files of this name."""
     inner = '<stringAttribute key="a" value="0"/>'

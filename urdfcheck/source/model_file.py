@@ -53,7 +53,7 @@ _FOREIGN_ROOTS = frozenset({"sdf", "world", "mujoco", "launch"})
 _DECLARATION = re.compile(r"^\s*<\?xml[^>]*\?>")
 # What a generator fills in, each form with the characters that it cannot lack: {{ name }}, {% if %}, <%= name %>, $NAME$, @NAME@,
 # [URDF_ATTRIBUTE] in place of an attribute and the package [NAME], as MoveIt's setup assistant has them, "<your-package>" in a
-# value, and the value "__robot_name__".
+# value, and the value "__robot_name__", but not of what xacro reads: there `__not_set__` says that none is given.
 _PLACEHOLDERS = (
     ("{{", re.compile(r"(?<!\$)(\{\{\s*[A-Za-z_][\w.]*\s*\}\})")),
     ("{%", re.compile(r"(\{%-?\s*\w+[^%\n]*%\})")),
@@ -63,7 +63,7 @@ _PLACEHOLDERS = (
     ("[", re.compile(r"(\[[A-Z][A-Z0-9]*_[A-Z0-9_]*\])(?=\s*/?>)")),
     ("$(find", re.compile(r"\$\(find(?:-pkg-share)? +(\[[A-Z][A-Z0-9_]*\])\)")),
     ('="', re.compile(r"=\"[^\"<>\n]*(<[A-Za-z]\w*(?:[ _.-]\w+)*>)[^\"<>\n]*\"")),
-    ('="__', re.compile(r"\b(?:value|default)=\"(__[a-z0-9]+(?:_[a-z0-9]+)+__)\"")),
+    ('="__', re.compile(r"<(?!xacro:)\w[^<>]*?\s(?:value|default)=\"(__[a-z0-9]+(?:_[a-z0-9]+)+__)\"")),
 )
 
 
