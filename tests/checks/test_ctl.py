@@ -748,6 +748,14 @@ def test_an_entry_without_an_interface_of_a_joint_is_a_device(tmp_path: Path, in
     assert ("<gpio>" in finding.fix.title) == (message == "device")
 
 
+def test_a_slip_of_a_joint_is_no_device_whatever_its_interface(tmp_path: Path) -> None:
+    """Hardware may call its interface `torque`."""
+    entry = '<joint name="right_whel"><command_interface name="torque"/></joint>'
+    body = control(right="").replace("</ros2_control>", f"{entry}</ros2_control>")
+    (finding,) = find_in_cart(tmp_path, "", body, code="CTL001")
+    assert (finding.message_id, finding.severity) == ("ros2_control", Severity.ERROR)
+
+
 @pytest.mark.parametrize(
     ("joint", "launch", "severity"),
     [

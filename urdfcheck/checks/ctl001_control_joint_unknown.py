@@ -57,10 +57,10 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 name = element.attributes.get("name")
                 if element.tag != "joint" or name is None or not name.value or name.value in model.joint_by_name:
                     continue
-                if _is_device(element):
+                hint = format_name_hint(name.value, free)
+                if not hint and _is_device(element):
                     devices.append(name)
                     continue
-                hint = format_name_hint(name.value, free)
                 if not hint:
                     foreign.append(name)
                     skipped.append(is_skipped)
