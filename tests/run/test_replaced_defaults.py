@@ -229,3 +229,16 @@ def test_a_launch_file_may_hand_the_value_to_another(tmp_path: Path) -> None:
     handed = "launch_arguments={'description_file': 'arm.urdf.xacro', 'prefix': 'left_'}.items()"
     run = find_in_tool(tmp_path, {"launch/a.launch.py": PREFIXED, "launch/b.launch.py": handed})
     assert list_codes(run) == ["KIN001"]
+
+
+def test_it_is_listed_where_the_same_rule_finds_something_else_as_it_is_started(tmp_path: Path) -> None:
+    """By default the tag without a prefix is under a condition that is not met; each start lacks the arm."""
+    arm = """<robot name="arm" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:arg name="with_arm" default="false"/>
+<link name="base"/><xacro:macro name="arm" params="n"><link name="${n}"/></xacro:macro>
+<xacro:if value="$(arg with_arm)"><arm n="x"/></xacro:if></robot>"""
+    launch = f"Command(['xacro ', {XACRO}, ' with_arm:=', 'true'])"
+    for name, text in {"package.xml": PACKAGE, "urdf/arm.urdf.xacro": arm, "launch/a.launch.py": launch}.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    run = check(tmp_path / "urdf/arm.urdf.xacro", codes={"XAC007"}, unrequested=frozenset({"XAC007"}))
+    assert list_codes(run) == ["XAC007"]

@@ -428,7 +428,10 @@ class _UnitAudit:
     def leave_kinds_of_defaults(
         self, kinds: AbstractSet[tuple[str, str]], given: Iterable[Mapping[str, str]]
     ) -> AbstractSet[tuple[str, str]]:
-        """Leave those of these codes and messages that the model has with none of these arguments."""
+        """Leave those of these codes and messages that the model has with none of these arguments.
+
+        None of a rule that finds another error or warning there: it may be the same fault, and nothing else would list it.
+        """
         left = {(code, message) for code, message in kinds if code in self.rules}
         for arguments in given:
             source = self.load_with_arguments(arguments) if left else None
@@ -442,10 +445,11 @@ class _UnitAudit:
                         f for s in about if s is not None for f in load_check(rule)(s, rule, **self.get_options(rule))
                     ]
                     left -= {(rule.code, finding.message_id) for finding in found}
-                    is_known = None not in about
+                    graver = {(rule.code, f.message_id) for f in found if f.severity > Severity.INFO}
+                    is_spared = None not in about and graver <= kinds
                 except FactUnavailableError:
-                    is_known = False
-                if not is_known:
+                    is_spared = False
+                if not is_spared:
                     left = {kind for kind in left if kind[0] != rule.code}
         return left
 
