@@ -357,7 +357,7 @@ def _check_package(
     names = _suggest_packages(launch, description, name, package)
     near = _format_suggestions(names)
     declaration = describe_declaration(package, name, launch.finder, shown="it")
-    folder = _find_folder_without_manifest(name, path) if package is None else None
+    folder = _find_folder_without_manifest(name, path, launch.finder) if package is None else None
     if folder is not None:
         build = format_path(folder / "CMakeLists.txt")
         near, repair = (
@@ -386,12 +386,13 @@ def _check_package(
     )
 
 
-def _find_folder_without_manifest(name: str, path: Path) -> Path | None:
+def _find_folder_without_manifest(name: str, path: Path, finder: PackageFinder) -> Path | None:
     """Return the folder around a file whose build gives it the name of a package: it is one as soon as it has a package.xml."""
     project = re.compile(rf"(?im)^[ \t]*project[ \t]*\([ \t]*{re.escape(name)}[ \t)]")
     top = find_project_folder(path)
-    folders = (folder for folder in path.parents if folder == top or top in folder.parents)
-    return next((f for f in folders if project.search(read_text_or_nothing(f / "CMakeLists.txt"))), None)
+    builds = (folder / "CMakeLists.txt" for folder in path.parents if folder == top or top in folder.parents)
+    named = (file.parent for file in builds if finder.can_open(file) and project.search(read_text_or_nothing(file)))
+    return next(named, None)
 
 
 def _build_relative_finding(rule: Rule, launch: Launch, at: Location, typed: str, file: Path) -> Finding:
