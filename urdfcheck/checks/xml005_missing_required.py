@@ -93,14 +93,14 @@ def _is_placeholder(element: Element) -> bool:
 
 
 def _has_density(element: Element) -> bool:
-    """Whether an inertial says the density, of which Isaac Gym computes the rest."""
+    """Whether an inertial has a density in place of a mass, as objects for Isaac Gym do: they are made for that program."""
     return element.tag == "inertial" and element.find_child("density") is not None
 
 
 def _describe_repair(model: Model, element: Element, added: str) -> str:
     """Say how what is missing comes in; the block that a call must hand over cannot be deleted."""
     if _has_density(element):
-        return f"add {added}, for programs that do not read <density> as Isaac Gym does"
+        return f"add {added}: urdfdom does not read <density>, which objects for Isaac Gym have"
     parent = element.parent
     if parent is not None and model.source.is_xacro and is_inserted(model.source.trees, parent, element):
         return f"add {added} to the block that the call hands over"
