@@ -779,13 +779,13 @@ def vars_of(found: CollisionPair) -> tuple[object, ...]:
 # -- arms that cross -----------------------------------------------------------------------------------------------------
 
 
-def make_crossing_arms(joints: int) -> str:
-    """Two arms beside each other, whose last links reach over to the other side at rest alone."""
+def make_crossing_arms(joints: int, limb: str) -> str:
+    """Two limbs beside each other, whose last links reach over to the other side at rest alone."""
     parts = [make_link("base")]
     for side, y in (("left", 0.3), ("right", -0.3)):
         parent = "base"
         for index in range(joints):
-            name = f"{side}_{index}"
+            name = f"{side}_{limb}_{index}"
             last = index == joints - 1
             parts.append(
                 make_joint(parent, name, f"0 {y} 0" if index == 0 else "0 0 0.1", axis="1 0 0" if last else "0 0 1")
@@ -795,7 +795,12 @@ def make_crossing_arms(joints: int) -> str:
     return robot(*parts)
 
 
-@pytest.mark.parametrize(("joints", "severity"), [(4, Severity.INFO), (2, Severity.WARNING)])
-def test_arms_that_cross_at_rest_alone_have_no_wrong_shape(tmp_path: Path, joints: int, severity: Severity) -> None:
-    (finding,) = find(tmp_path, make_crossing_arms(joints), "COL001")
+@pytest.mark.parametrize(
+    ("joints", "limb", "severity"),
+    [(4, "arm", Severity.INFO), (2, "arm", Severity.WARNING), (4, "leg", Severity.WARNING)],
+)
+def test_arms_that_cross_at_rest_alone_have_no_wrong_shape(
+    tmp_path: Path, joints: int, limb: str, severity: Severity
+) -> None:
+    (finding,) = find(tmp_path, make_crossing_arms(joints, limb), "COL001")
     assert (finding.message_id, finding.severity) == ("overlap", severity)

@@ -12,6 +12,7 @@ from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
 from urdfcheck.model import Joint, Model, Shape
 from urdfcheck.model.gazebo import list_loop_joints
+from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.self_collisions import (
     CollisionPair,
@@ -45,7 +46,7 @@ _TO_DISABLE = "add <disable_collisions> for the pair to the SRDF if the overlap 
 _TO_EXCLUDE = "exclude the pair in every collision checker if the overlap is intended"
 # Of the configurations.
 _RARELY, _USUALLY = 0.05, 0.5
-# An arm has at least so many joints that move (chosen): a finger has fewer, as a rule, and a leg has three or so below its hip.
+# An arm has at least so many joints that move (chosen): a finger has fewer, as a rule.
 _ARM_JOINTS = 4
 # Cosine of the angle between the stages: 0.1°.
 _PARALLEL = 1 - 1.5e-6
@@ -179,10 +180,12 @@ def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
 
 def _are_crossed_arms(model: Model, pair: CollisionPair) -> bool:
     """Whether two links are parts of two arms, each of several joints, which hardly ever meet but at rest: each shape is where
-    its part is, and the robot starts from another pose."""
+    its part is. Legs stand beside each other at rest."""
     one, other = (model.tree.find_path_to(name) for name in pair.links)
     ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
-    return pair.hit_share <= _RARELY and min(map(len, ways)) >= _ARM_JOINTS
+    if pair.hit_share > _RARELY or min(map(len, ways)) < _ARM_JOINTS:
+        return False
+    return not any(LEG.search(f"{joint.name} {joint.child}") for way in ways for joint in way)
 
 
 def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
