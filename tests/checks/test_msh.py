@@ -748,7 +748,9 @@ def test_a_scale_can_enlarge_a_whole_robot(
     assert not any(f.fix is not None and f.fix.edits for f in found)
 
 
-@pytest.mark.parametrize(("name", "found"), [("ground", False), ("front_floor_2", False), ("background", True)])
+@pytest.mark.parametrize(
+    ("name", "found"), [("ground", False), ("front_floor_2", False), ("background", True), ("ground_robot", True)]
+)
 def test_a_ground_is_of_any_size(tmp_path: Path, name: str, found: bool) -> None:
     (tmp_path / "part.obj").write_text(scaled(CLOSED, 100.0))
     parts = (link("base", visual(box("0.5 0.5 0.5"))), link(name, shape("visual")))
@@ -1147,6 +1149,7 @@ def test_a_broken_mesh_may_be_what_a_test_needs(tmp_path: Path, folder: str) -> 
         ("visual", "<depend>pinocchio</depend>", "revolute", "unit"),
         ("collision", "<depend>gazebo_ros</depend>", "fixed", "unit-unread"),
         ("collision", "<depend>moveit</depend>", "fixed", "unit"),
+        ("collision", "<depend>gazebo_ros</depend>", "revolute", "unit"),
         ("visual", "<depend>pinocchio</depend>", "fixed", "unit"),
     ],
 )

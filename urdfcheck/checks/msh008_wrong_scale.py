@@ -10,6 +10,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import join_names, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.shapes.mesh_sizes import MeasuredMesh, MeshSizes, SizeLimits, measure_mesh_sizes
 from urdfcheck.model.use.display import is_checked_for_collisions
@@ -123,6 +124,11 @@ def _is_scenery(model: Model) -> bool:
     return not has_body and not any(joint.is_movable for joint in model.joints)
 
 
+def _is_arm(model: Model) -> bool:
+    """Whether a robot is an arm: planners read its collision shapes, and their settings may be in another repository."""
+    return any(joint.is_movable for joint in model.joints) and bool(list_bolted_links(model))
+
+
 def _has_collision(uses: Iterable[MeshUse]) -> bool:
     """Whether one of the meshes is a collision shape, which MoveIt loads, rather than a visual one."""
     return any(use.shape in use.link.collisions for use in uses)
@@ -152,7 +158,8 @@ def _build_unit_finding(
     is_drawn = not _has_collision(uses) and is_plausible
     is_unread = not (_UNITLESS.intersection(model.targets) or names_unitless_program(model))
     is_drawn_right = is_drawn and is_unread
-    is_collided_right = is_plausible and is_unread and not is_drawn and not is_checked_for_collisions(model)
+    is_planned = is_checked_for_collisions(model) or _is_arm(model)
+    is_collided_right = is_plausible and is_unread and not is_drawn and not is_planned
     finding = rule.finding(
         "unit-drawn" if is_drawn_right else "unit-unread" if is_collided_right else "unit",
         at=uses[0].filename,

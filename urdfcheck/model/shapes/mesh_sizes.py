@@ -31,8 +31,11 @@ DEFAULT_LIMITS = {"largest": 5.0, "ratio": 10.0, "smallest": 0.001}
 _UNIT_TOLERANCE = 1e-3
 # A scale below this was meant to convert millimetres, centimetres or inches to metres.
 _MAX_CONVERSION_SCALE = 0.03
-# What a robot stands on is of any size.
-_GROUND = re.compile(r"(?:^|[^a-z])(?:ground|floor|terrain)(?![a-z])", re.IGNORECASE)
+# What a robot stands on is of any size; a ground_robot or a floor_cleaner is a robot.
+_GROUND = re.compile(
+    r"(?<![a-z])(?<!all[_-])(?:ground|floor|terrain)(?:[_-]?(?:plane|link|mesh|visual|collision|\d))*(?:\.\w+)?$",
+    re.IGNORECASE,
+)
 # Four times the largest part (m) that published robots have.
 _ENLARGED = 20.0
 # A part that measures more than this in all three directions (m) is not a ground plane or a wall.
@@ -173,7 +176,7 @@ def _find_mistake(
     """Return what is wrong with the size of a mesh, whose box has edges from ``least`` to ``size`` (m)."""
     scales = np.abs(use.shape.size or (1.0,))
     if limits.is_too_large(size) and limits.list_plausible_units(size):
-        return None if _GROUND.search(f"{use.link.name} {use.name}") else "large"
+        return None if any(map(_GROUND.search, (use.link.name, use.name))) else "large"
     # In a robot whose joints are as far apart, the rest of it has the same mistake, so its reach shows nothing.
     is_enlarged = limits.reach > 0 and scales.min() * _MAX_CONVERSION_SCALE >= 1.0
     if is_enlarged and size > _ENLARGED and least > _MIN_ENLARGED and limits.smallest <= in_file <= _ENLARGED:
