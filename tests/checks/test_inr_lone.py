@@ -94,6 +94,13 @@ def test_a_mass_lighter_than_air_shows_no_unit_of_the_tensors(tmp_path: Path, la
     assert not any("cm²" in finding.message for finding in found)
 
 
+@pytest.mark.parametrize(("mass", "found"), [(1e-5, False), (1e-2, True)])
+def test_one_round_mass_of_a_heavier_robot_does_not_hide_the_tensors(tmp_path: Path, mass: float, found: bool) -> None:
+    """Each part is larger than foam of this mass, and has the tensor that it has in plastic."""
+    numbers = [replace(make_part(i), mass=mass) for i in range(5)]
+    assert bool(find(tmp_path, make_chain(numbers), {"INR005", "INR009"})) == found
+
+
 @pytest.mark.parametrize("is_habit", [True, False])
 def test_a_com_of_zero_is_compared_with_those_of_the_file(tmp_path: Path, is_habit: bool) -> None:
     numbers = []

@@ -61,8 +61,8 @@ def describe_unknown_mass(mass: float) -> str:
 
 def is_unknown_mass(mass: float, tensor: Array, solid: Solid, *, is_of_all: bool = False) -> bool:
     """Whether a ``mass`` (kg) is a placeholder that does not show what the ``tensor`` (3, 3) in kg m² should be, which is one
-    that the drawn ``solid`` can have at its real mass. ``is_of_all``: one round number is the mass of every link; where no
-    material makes the solid so light, it stands for none too."""
+    that the drawn ``solid`` can have at its real mass. ``is_of_all``: one round number is the mass of every link of a
+    robot below a gram; where no material makes the solid so light, it stands for none too."""
     if not _stands_for_none(mass) and not (is_of_all and mass < LIGHTEST * solid.volume):
         return False
     from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia  # loads numpy

@@ -66,6 +66,8 @@ _LITTLE, _LITTLE_MOVE, _LITTLE_LENGTH = 0.02, 0.01, 1e-3
 _DECIMALS = frozenset({"decimal_point", "decimal_point_of_all", "rounded"})
 # A link of a gram (kg) or less, that is less than this share of its robot.
 _MARK, _MARK_SHARE = 1e-3, 1e-3
+# Robots lighter than this (kg) are only in a few laboratories: INR015 reports them.
+_LEAST_ROBOT = 1e-3
 # A box is that of a tensor to within this share, and its centre the COM to within this share of its diagonal.
 _SAME_BOX = 0.02
 
@@ -271,7 +273,9 @@ def is_box_of_one_shape(model: Model, link: Link, declared: DeclaredInertial) ->
 def has_unknown_mass(model: Model, link: Link, mass: float, tensor: Mat3) -> bool:
     """Whether the mass (kg) of a link is a placeholder, which is the mistake (INR012, INR015), and not its ``tensor`` (3, 3)."""
     drawn = measure_link_geometry(model, link)
-    return drawn is not None and is_unknown_mass(mass, tensor, drawn.solid, is_of_all=has_one_round_mass(model))
+    # INR015 reports one round mass in a robot that is lighter; of kilograms, a tensor says which of the two is wrong.
+    is_of_all = has_one_round_mass(model) and sum(declared.mass for declared in model.masses) < _LEAST_ROBOT
+    return drawn is not None and is_unknown_mass(mass, tensor, drawn.solid, is_of_all=is_of_all)
 
 
 def is_hull_enough(model: Model, link: Link, judged: DiagnosedInertial, *, far: float) -> bool:
