@@ -123,8 +123,10 @@ def _classify_massless_link(model: Model, link: Link) -> str:
 
 def _is_weightless(model: Model, massless: Sequence[DeclaredMass]) -> bool:
     """Whether no link has a mass, and nothing known simulates the robot: a drawing whose zeros stand for what INR001 would not
-    report as an error if it were missing."""
+    report as an error if it were missing. Without a package nothing shows what a robot is for that collides."""
     drawn = {link.name for link in model.links if link.visuals or link.collisions}
+    if model.source.package is None and any(link.collisions for link in model.links):
+        return False
     is_of_all = len(massless) == len(model.masses) >= _FEWEST and drawn <= {one.link.name for one in massless}
     return is_of_all and not SIMULATORS.intersection(model.targets) and not is_simulated(model)
 
