@@ -269,12 +269,29 @@ def test_a_drawing_whose_masses_are_all_zero_needs_none(
     tmp_path: Path, mass: float, count: int, more: str, severity: Severity
 ) -> None:
     """Without simulator; a robot of which one link has a mass is meant to have masses."""
+    text = make_weightless(mass, count)
+    found = [f for f in find(tmp_path, text.replace("</robot>", f"{more}</robot>"), "INR002") if f.message_id == "zero"]
+    assert {finding.severity for finding in found} == {severity}
+
+
+@pytest.mark.parametrize(("is_packaged", "severity"), [(True, Severity.WARNING), (False, Severity.ERROR)])
+def test_nothing_shows_what_a_weightless_robot_is_for_without_a_package(
+    tmp_path: Path, is_packaged: bool, severity: Severity
+) -> None:
+    if is_packaged:
+        (tmp_path / "package.xml").write_text("<package format='3'><name>arm</name></package>")
+    text = make_weightless(0, 4).replace("</link>", f"{collision(box('0.1 0.1 0.1'))}</link>", 1)
+    found = [f for f in find(tmp_path, text, "INR002") if f.message_id == "zero"]
+    assert {finding.severity for finding in found} == {severity}
+
+
+def make_weightless(mass: float, count: int) -> str:
+    """A base with joints around it, of which only the base may have a mass."""
     names = ["base", *(f"arm{i}" for i in range(1, count))]
     numbers = [inertial(mass, mass), *[inertial(0, 0)] * (count - 1)]
     links = [link(name, one, visual(box("0.1 0.1 0.1"))) for name, one in zip(names, numbers, strict=True)]
     joints = [joint(f"j{child}", "base", child, kind="continuous") for child in names[1:]]
-    found = [f for f in find(tmp_path, robot(*links, *joints, more), "INR002") if f.message_id == "zero"]
-    assert {finding.severity for finding in found} == {severity}
+    return robot(*links, *joints)
 
 
 @pytest.mark.parametrize(("child", "light"), [(0.004, True), (0.006, False)])
@@ -316,6 +333,7 @@ def test_impossible_products_may_be_those_about_the_origin(tmp_path: Path, drawn
             None,
         ),
         ('<gazebo><plugin name="p" filename="libbuoyancy.so"/></gazebo>', None),
+        ('<link name="drone"/><joint name="j" type="fixed"><parent link="drone"/><child link="ball"/></joint>', None),
     ],
 )
 def test_a_placeholder_of_one_body_that_touches_nothing_is_an_info(

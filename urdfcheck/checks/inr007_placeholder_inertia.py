@@ -180,9 +180,13 @@ def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
     if any(joint.is_movable for joint in model.joints):
         return False
     placed = [(shape, model.piece_frames[name]) for name in body.links for shape in _list_shapes(model, name)]
-    box = compute_bounding_box(model, placed)
+    boxes = [
+        box for one in placed if (box := compute_bounding_box(model, [one])) is not None
+    ]  # others may be unreadable
+    if not boxes:
+        return False
     least = _ROOM if any(map(_ROOM_NAME.search, body.links)) else _SCENERY
-    return box is not None and float(np.linalg.norm(box[1] - box[0])) > least
+    return float(np.linalg.norm(np.max(boxes, axis=0)[1] - np.min(boxes, axis=0)[0])) > least
 
 
 def _list_shapes(model: Model, name: str) -> Sequence[Shape]:

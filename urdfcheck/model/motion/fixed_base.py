@@ -21,6 +21,10 @@ _MOBILE_NAME = re.compile(
     r"footprint|track(?!er)|tread|crawler|roller|rotor|propell|prop_?\d|thruster|wing|fin(?![a-z])|buoy|hull|skid",
     re.IGNORECASE,
 )
+# Robots that fly, dive or sail: the forces of a program act on their body, whatever it touches.
+_VEHICLE_NAME = re.compile(
+    r"copter|drone|(?<![a-z])(?:uav|auv|rov|uuv|usv)(?![a-z])|aircraft|(?<![a-z])boat", re.IGNORECASE
+)
 # Limbs that handle things; in a name like larm or r_gripper_l_finger, not in alarm or swarm.
 HANDLING_NAME = re.compile(
     r"(?:^|[^a-z]|(?<=[a-z])(?=[A-Z])|(?:^|[^a-z])[lr])(?:arm(?!at)|finger|thumb|gripper|jaw|hand|palm|knuckle)",
@@ -117,11 +121,13 @@ def _carries_long_arms(model: Model) -> bool:
 @fact
 def is_untouched(model: Model) -> bool:
     """Whether a model is one rigid body that nothing turns: no joint moves, it collides with nothing, neither a simulator's
-    plugin nor a rotor pushes it, and no file that includes it fixes it to something that moves."""
+    plugin nor a rotor pushes it, its name is not that of a vehicle that flies or swims, and no file that includes it fixes it to
+    something that moves."""
     if model.source.is_part or _has_drives(model) or any(joint.is_movable for joint in model.joints):
         return False
-    names = " ".join(link.name for link in model.links)
-    return not any(link.collisions for link in model.links) and _MOBILE_NAME.search(names) is None
+    names = " ".join((model.name, *(link.name for link in model.links)))
+    is_vehicle = any(pattern.search(names) for pattern in (_MOBILE_NAME, _VEHICLE_NAME))
+    return not is_vehicle and not any(link.collisions for link in model.links)
 
 
 def _has_drives(model: Model) -> bool:
