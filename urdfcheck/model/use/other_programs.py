@@ -28,7 +28,7 @@ _FRAGMENT_PROGRAM = re.compile(r"(?<![\w.-])\w*urdf_fragment\w*(?:\.py)?")
 _EXTRAS = re.compile(r"\b[A-Z][A-Z0-9]*_URDF_EXTRAS\b")
 # An argument of a launch file, where it is declared or handed on; its attributes; what reads one; and what loads a robot.
 _ARGUMENT = re.compile(r"<arg\b[^<>]*>")
-_ATTRIBUTES = re.compile(r"(\w+)\s*=\s*\"([^\"]*)\"")
+_ATTRIBUTES = re.compile(r"\b(\w+)\s*=\s*\"([^\"]*)\"")
 _HANDED = re.compile(r"\$\(arg (\w+)\)")
 _LOADING = re.compile(r"\b(?:command|textfile)\s*=\s*\"([^\"]*)\"")
 
