@@ -180,7 +180,7 @@ def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
 
 def _are_crossed_arms(model: Model, pair: CollisionPair) -> bool:
     """Whether two links are parts of two arms, each of several joints, which hardly ever meet but at rest: each shape is where
-    its part is. Legs stand beside each other at rest."""
+    its part is. Two legs must be apart at rest."""
     one, other = (model.tree.find_path_to(name) for name in pair.links)
     ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
     if pair.hit_share > _RARELY or min(map(len, ways)) < _ARM_JOINTS:

@@ -180,9 +180,8 @@ def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
     if any(joint.is_movable for joint in model.joints):
         return False
     placed = [(shape, model.piece_frames[name]) for name in body.links for shape in _list_shapes(model, name)]
-    boxes = [
-        box for one in placed if (box := compute_bounding_box(model, [one])) is not None
-    ]  # others may be unreadable
+    # The mesh of one may not have been read.
+    boxes = [box for one in placed if (box := compute_bounding_box(model, [one])) is not None]
     if not boxes:
         return False
     least = _ROOM if any(map(_ROOM_NAME.search, body.links)) else _SCENERY
