@@ -656,7 +656,7 @@ def test_a_transmission_is_complete(tmp_path: Path, transmission: str, message: 
         ("ab", "delete one of the two: both have joint[a]"),
         ("a", "give each block its own name, and leave joint[a] in one of them only"),
         ("abc", "give each block its own name, and leave joint[a], joint[b] in one of them only"),
-        ("c", "give each block its own name, for example with the prefix of the arm"),
+        ("c", "give each block its own name, for example with the prefix of its joints"),
     ],
 )
 def test_of_two_blocks_of_a_name_one_is_deleted_only_if_nothing_is_lost(

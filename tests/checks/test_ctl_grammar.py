@@ -71,6 +71,23 @@ def test_what_the_parser_refuses(tmp_path: Path, control: str, messages: list[st
 
 
 @pytest.mark.parametrize("plugin", ["gazebo_ros2_control/GazeboSystem", "gz_ros2_control/GazeboSimSystem"])
+def test_gazebo_activates_one_of_two_blocks_of_a_name(tmp_path: Path, plugin: str) -> None:
+    control = block(f"<hardware><plugin>{plugin}</plugin></hardware>")
+    (finding,) = find_errors(tmp_path, control + control)
+    assert "activates only the first" in finding.message
+    assert "stops loading" not in finding.message
+    assert finding.consequences["gazebo"].startswith("activates only the first")
+    (other,) = find_errors(tmp_path, control + block(HARDWARE))  # the second is of a driver
+    assert "stops loading" in other.message
+
+
+def test_an_ignored_block_repeats_no_name(tmp_path: Path) -> None:
+    ignored = block("", 'name="c" type="fake_components/GenericSystem"')
+    assert {f.message_id for f in find_errors(tmp_path, ignored + ignored)} == {"type"}
+    assert [f.message_id for f in find_errors(tmp_path, ignored + block(HARDWARE))] == ["type"]
+
+
+@pytest.mark.parametrize("plugin", ["gazebo_ros2_control/GazeboSystem", "gz_ros2_control/GazeboSimSystem"])
 def test_gazebo_loads_a_block_whatever_its_type_is(tmp_path: Path, plugin: str) -> None:
     control = block(f"<hardware><plugin>{plugin}</plugin></hardware>", 'name="c" type="System"')
     (finding,) = find_errors(tmp_path, control)

@@ -26,7 +26,7 @@ _HOMES = {
     "state_interface": "its <joint>",
 }
 _TYPE = "write system, sensor or actuator"
-_OWN_NAMES = "give each block its own name, for example with the prefix of the arm"
+_OWN_NAMES = "give each block its own name, for example with the prefix of its joints"
 _CHOSEN = "pass the arguments that choose a <hardware>, or add one for these"
 _COMMENT = re.compile(r"<!--.*?-->", re.DOTALL)
 
@@ -35,10 +35,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     first: dict[str, Element] = {}
     for block in model.robot.find_children("ros2_control"):
         yield from _check_block(model, rule, block)
-        name = block.get("name").strip()
+        name = block.get("name").strip() if _is_loaded(block) else ""
         if name and name in first:
-            repair = _describe_duplicate(first[name], block)
-            yield rule.finding("duplicate", at=block, related=[first[name]], name=name, repair=repair)
+            is_simulated = all(map(_find_simulator_class, (first[name], block)))
+            yield rule.finding(
+                "duplicate-simulated" if is_simulated else "duplicate",
+                at=block,
+                related=[first[name]],
+                name=name,
+                repair=_describe_duplicate(first[name], block),
+            )
         first.setdefault(name, block)
         for element in block.children:
             if element.tag not in _TAGS:
@@ -51,6 +57,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             elif element.tag == "transmission":
                 yield from _check_transmission(model, rule, element)
         yield from _check_repeated_components(rule, block)
+
+
+def _is_loaded(block: Element) -> bool:
+    """Whether a program loads a block: ros2_control by its type, or Gazebo by its class."""
+    return block.get("type").strip() in _TYPES or bool(_find_simulator_class(block))
 
 
 def _describe_duplicate(one: Element, other: Element) -> str:
