@@ -1220,6 +1220,18 @@ def test_an_inertial_that_a_call_without_the_prefix_would_make_is_not_missing(tm
     assert (lost.code, lost.data["hides"]) == ("XAC007", ["INR001"])
 
 
+@pytest.mark.parametrize("standing", [True, False])
+def test_a_call_without_the_prefix_may_make_what_stands_beside_it(tmp_path: Path, standing: bool) -> None:
+    tensor = '<inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/>'
+    macro = f'<xacro:macro name="ball" params="m">{tensor}</xacro:macro>'
+    inertial = f'<inertial>{tensor * standing}<mass value="1"/><ball m="1"/></inertial>'
+    finding = only(xacro(tmp_path, f'{macro}<link name="a">{inertial}</link>', {"XAC007"}))
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) is not standing
+    assert ("and delete the <inertia> beside it (" in finding.fix.title) is standing
+    assert ("reads the <inertia> beside it" in finding.consequences["urdfdom"]) is standing
+
+
 def test_only_the_tags_of_the_robot_are_why_it_has_no_links(tmp_path: Path) -> None:
     parts = f'{WHEEL}<xacro:macro name="sensors"><wheel name="sensor"/></xacro:macro>'
     files = {
@@ -1985,6 +1997,20 @@ def test_an_argument_is_missing_where_the_model_is_started(
     assert finding.severity is severity
     assert finding.fix is not None
     assert finding.fix.title.endswith("car.launch passes one, known only at launch") == passing
+
+
+def test_the_launch_file_that_starts_a_model_is_to_pass_the_argument(tmp_path: Path) -> None:
+    command = "xacro $(find car)/urdf/car.urdf.xacro"
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "launch/car.launch": f'<launch><param name="robot_description" command="{command}"/></launch>',
+        "urdf/car.urdf.xacro": HEAD + '<link name="$(arg side)"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC010"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(
+        "pass side in car.launch, which names the file (here: `--arg side:=…`); or declare"
+    )
 
 
 @pytest.mark.parametrize(("depends", "severity"), [(True, Severity.ERROR), (False, Severity.WARNING)])

@@ -16,6 +16,7 @@ from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
 from urdfcheck.source.package.finder import is_kept_aside
+from urdfcheck.source.text.grammar import list_single_tags
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.problems import find_lacking
 from urdfcheck.source.text.tokens import build_removal_edits
@@ -120,12 +121,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         message, severity = _find_message(source, found)
         elements = _sort_by_weight(source, found)
         tags = Counter(e.tag for e in elements)
+        standing = _list_standing(source, elements)
         finding = rule.finding(
             message,
             at=elements[0],
             related=elements[1:_MAX_EDITED],
             edits=_propose_edits(elements, source.trees[name], source.files[name])
-            if source.is_xacro and message not in {"dead", "left"}
+            if source.is_xacro and message not in {"dead", "left"} and not standing
             else [],
             severity=severity,
             tag=elements[0].tag,
@@ -134,10 +136,12 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             lack="lacks" if len(tags) == 1 else "lack",
             listed=join_names(f"<{tag}>{format_repetition(times)}" for tag, times in tags.items()),
             times=format_repetition(len(elements)) if len(tags) == 1 else "",
-            more=_describe_further_edits(tags, source.trees[name]) + _describe_release(source, name),
+            more=_describe_further_edits(tags, source.trees[name])
+            + _describe_release(source, name)
+            + _describe_standing(standing),
             # What follows from the tags that are left in the robot does not follow from those in a macro that is not called.
             explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
-            consequences=_describe_consequences(source, elements),
+            consequences=_describe_consequences(source, elements) or _describe_kept(standing),
         )
         is_error = finding.severity is Severity.ERROR
         if is_error and (is_kept_aside(source.path, source.package) or is_no_robot(source)):  # no program loads it
@@ -340,6 +344,36 @@ def _describe_consequences(source: Source, elements: Sequence[Element]) -> dict[
     lacking = {needed for part in root.walk() if (needed := _find_lost_need(source, part, places))}
     # What makes a parser refuse the file counts more than what it drops.
     return (WITHOUT_INERTIA if "inertia" in lacking else {}) | (WITHOUT_LIMIT if "limit" in lacking else {})
+
+
+def _list_standing(source: Source, elements: Sequence[Element]) -> list[Element]:
+    """Return the elements of the robot beside calls at these places that may be there only once, and that the calls would make
+    again: the values of a generator, which the call was to replace."""
+    if source.root is None or not source.is_xacro:
+        return []
+    macros, places = collect_macros(source.trees), _collect_places(elements)
+    standing: dict[int, Element] = {}
+    for call in find_unprefixed_tags(source.trees, source.root, only_calls=True):
+        if call.parent is None or call.span is None or (call.span.file, call.span.start) not in places:
+            continue
+        made = {child.tag for child in macros[call.tag].element.children} & list_single_tags(call.parent)
+        standing |= {id(child): child for child in call.parent.children if child.tag in made}
+    return list(standing.values())
+
+
+def _describe_standing(standing: Sequence[Element]) -> str:
+    """Say what else must be done where the calls would make elements that are there already."""
+    if not standing:
+        return ""
+    places = dict.fromkeys(f"{e.span.file}:{e.span.line}" for e in standing if e.span is not None)
+    tags = list(dict.fromkeys(f"<{element.tag}>" for element in standing))
+    listed, verb = join_names(tags), "is" if len(places) == 1 else "are"
+    return f", and delete the {listed} beside it ({join_names(places, 3)}); or delete the call if the {listed} {verb} right"
+
+
+def _describe_kept(standing: Sequence[Element]) -> dict[str, str]:
+    tags = join_names(dict.fromkeys(f"<{element.tag}>" for element in standing))
+    return {"urdfdom": f"ignores it, and reads the {tags} beside it"} if standing else {}
 
 
 def _find_lost_need(source: Source, part: Element, places: Collection[tuple[str, int]]) -> str:

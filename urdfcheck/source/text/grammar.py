@@ -162,12 +162,17 @@ def _list_urdf_elements(robot: Element) -> list[Element]:
     return found
 
 
+def list_single_tags(element: Element) -> frozenset[str]:
+    """Return the tags of which an element may have one child."""
+    return frozenset() if element.tag == "robot" else CHILDREN.get(element.tag, frozenset()) - _REPEATABLE
+
+
 def list_repeated_children(element: Element) -> list[list[Element]]:
     """Return the groups of children of which only one is allowed: children with one tag, or all shapes of a geometry."""
     if len(element.children) < 2:
         return []
     groups: dict[str, list[Element]] = {}
-    allowed = frozenset() if element.tag == "robot" else CHILDREN.get(element.tag, frozenset()) - _REPEATABLE
+    allowed = list_single_tags(element)
     for child in element.children:
         if child.tag in allowed:
             groups.setdefault("shape" if element.tag == "geometry" else child.tag, []).append(child)
