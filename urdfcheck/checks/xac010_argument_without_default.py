@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
-from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices
+from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argument_option, format_choices, join_names
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_nowhere
@@ -27,6 +28,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         from urdfcheck.source.launch.loaded_files import (
             describe_handing,
             find_handing_launch,
+            find_naming_launch,
             find_passing_launch,
             is_named_by_launch,
         )
@@ -35,12 +37,14 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         known = {choice.name: choice.existing_values for choice in find_argument_choices(source.path, source.finder)}
         options = " ".join(format_argument_option(n, known[n][0] if n in known else None) for n in missing)
         passing = find_passing_launch(source.path, name, source.finder)
-        repair = _describe_repair(source, at, name, options, is_declared=bool(declared))
         handed = find_handing_launch(source.path, source.finder) if passing is None else None
+        starting = find_naming_launch(source.path, source.finder) if passing is None and handed is None else None
+        give = _describe_giving(missing, options, starting)
+        repair = _describe_repair(source, at, name, give, is_declared=bool(declared))
         defaults = [e.attributes["default"] for e in declared if "default" in e.attributes]
         is_circular = any(_is_within(at.span, default.span) for default in defaults)
         if is_circular:
-            repair = f"write a default that does not read it, or give a value: `{options}`"
+            repair = f"write a default that does not read it, or {give}"
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
         if handed is not None:
@@ -87,22 +91,28 @@ def _is_nameless(source: Source) -> bool:
     return root is not None and root.tag == "robot" and "name" not in root.attributes
 
 
-def _describe_repair(source: Source, at: Location, name: str, options: str, *, is_declared: bool) -> str:
+def _describe_giving(missing: Sequence[str], options: str, starting: Path | None) -> str:
+    """Say where a model gets values: the option reaches urdfcheck alone, and not the launch file that names the model."""
+    if starting is None:
+        return f"give a value: `{options}`"
+    return f"pass {join_names(missing, 3)} in {starting.name}, which names the file (here: `{options}`)"
+
+
+def _describe_repair(source: Source, at: Location, name: str, give: str, *, is_declared: bool) -> str:
     """Say which value to give; in a macro that has a parameter of this name, that one was meant."""
     macro = _find_macro_with_parameter(source, at, name)
     if macro is not None:
         return f"write `${{{name}}}`: {name} is a parameter of the macro {macro} around it, and not an argument of the file"
-    give = f"give a value: `{options}`; or declare"
     if _is_in_root_tag(source, at):
-        return f"give a value: `{options}`; or write a fixed text here, because no default can precede it"
+        return f"{give}; or write a fixed text here, because no default can precede it"
     if is_declared:
-        return f"move its `<xacro:arg>` up, before what reads it; or give a value: `{options}`"
+        return f"move its `<xacro:arg>` up, before what reads it; or {give}"
     slip = find_only_near_name(
         name, {e.get("name") for e in iter_elements_by_tag(source.trees, "xacro:arg")}, SLIP_LIKENESS
     )
     if slip is not None:
-        return f"write `$(arg {slip})` if that is meant; else give a value: `{options}`"
-    return f'{give} a default before the first use: `<xacro:arg name="{name}" default="…"/>`'
+        return f"write `$(arg {slip})` if that is meant; else {give}"
+    return f'{give}; or declare a default before the first use: `<xacro:arg name="{name}" default="…"/>`'
 
 
 def _is_in_root_tag(source: Source, at: Location) -> bool:

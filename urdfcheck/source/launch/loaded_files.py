@@ -76,6 +76,11 @@ def is_named_by_launch(path: Path, finder: PackageFinder) -> bool:
     return any(named.search(text) is not None or _may_compute_name(path, text) for text in texts)
 
 
+def find_naming_launch(path: Path, finder: PackageFinder) -> Path | None:
+    """Return a launch file of the package of a model's file that names the file."""
+    return next((launch for launch, _ in _iter_launch_texts(path, finder)), None)
+
+
 def find_passing_launch(path: Path, name: str, finder: PackageFinder) -> Path | None:
     """Return a launch file of the package of a model's file, or of one that depends on it, that names it and passes an argument
     of this name.
