@@ -103,6 +103,34 @@ def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: 
     assert [f.message_id for f in find_in_package(tmp_path, body, "LCH001")] == ([] if message is None else [message])
 
 
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        (load("$(find car)/urdf\\car.urdf"), "backslash"),
+        (load("$(find car)/urdf\\cra.urdf"), "file"),
+        ('<include file="$(find car)/launch\\car.launch"/>', "include-backslash"),
+    ],
+)
+def test_only_windows_finds_a_file_behind_a_backslash(tmp_path: Path, body: str, message: str) -> None:
+    (finding,) = find_in_package(tmp_path, body, "LCH001")
+    assert finding.message_id == message
+    if message != "file":
+        assert "only Windows reads backslashes as folder separators" in finding.message
+        assert get_repair(finding) == "write `/` for each backslash"
+        assert "except on Windows" in finding.consequences["roslaunch"]
+
+
+def test_a_python_launch_file_may_name_a_model_behind_a_backslash(tmp_path: Path) -> None:
+    name = 'os.path.join(get_package_share_directory("car"), "urdf\\\\car.urdf")'
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "urdf/car.urdf": CAR.format(shape=BOX),
+        "launch/car.launch.py": f"robot_description = open({name}).read()\n",
+    }
+    (finding,) = find(tmp_path / "car", files, "LCH001", name="launch/car.launch.py")
+    assert (finding.message_id, finding.severity) == ("backslash", Severity.WARNING)
+
+
 def test_a_path_from_the_folder_of_the_launch_file_depends_on_where_that_is_started(tmp_path: Path) -> None:
     (finding,) = find_in_package(tmp_path, load("../urdf/car.urdf"), "LCH001")
     assert finding.severity == Severity.WARNING

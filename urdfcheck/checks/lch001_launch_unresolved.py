@@ -41,7 +41,13 @@ from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES,
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import add_checkout, index_files, normalise_path, propose_checkout
+from urdfcheck.source.package.similar_files import (
+    add_checkout,
+    find_slashed_file,
+    index_files,
+    normalise_path,
+    propose_checkout,
+)
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import describe_declaration, find_dependent
@@ -153,8 +159,8 @@ def _check_include(launch: Launch, include: BrokenInclude, rule: Rule) -> Iterat
         beside = _describe_neighbours(name, launch.finder, is_right)
         replaced = _find_replaced_default(launch, at, at.value)
         value = _describe_deciding_values(launch, at, at.value)
-        message = f"include-{'default' if replaced else 'file'}"
-        yield rule.finding(message, at=at, path=name, value=value, **beside, **replaced)
+        message = "default" if replaced else "backslash" if find_slashed_file(Path(name), launch.finder) else "file"
+        yield rule.finding(f"include-{message}", at=at, path=name, value=value, **beside, **replaced)
     elif include.unresolved.kind == "circle":
         yield rule.finding("include-circle", at=at, path=name)
     else:
@@ -318,7 +324,8 @@ def _check_description(
         beside = _describe_neighbours(obstacle.name, launch.finder, is_right, is_expanded=description.uses_xacro)
         replaced = _find_replaced_default(launch, description.at, description.file)
         value = _describe_deciding_values(launch, description.at, description.file)
-        message = "file-default" if replaced else "file"
+        is_slashed = find_slashed_file(Path(obstacle.name), launch.finder) is not None
+        message = "file-default" if replaced else "backslash" if is_slashed else "file"
         yield rule.finding(message, at=at, path=obstacle.name, value=value, **beside, **replaced)
     elif obstacle.kind == "circle":
         yield rule.finding("circle", at=at, file=description.file)
@@ -512,8 +519,10 @@ def _check_python_launch(launch: Launch, python: PythonLaunch, rule: Rule, *, is
         if made is not None:
             yield _build_unknown_finding(rule, named.location, made[0], is_explicit=is_explicit, repair=made[1])
             continue
+        is_slashed = find_slashed_file(Path(path), finder) is not None
+        slashed = "backslash" if message == "named" else "include-backslash"
         yield rule.finding(
-            message,
+            slashed if is_slashed else message,
             at=named.location,
             severity=Severity.WARNING,
             confidence=Confidence.STRONG,

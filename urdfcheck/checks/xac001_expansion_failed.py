@@ -29,6 +29,7 @@ from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
 from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
+    find_slashed_file,
     find_uninstalled_file,
     index_files,
     propose_checkout_around,
@@ -865,7 +866,7 @@ def _explain_missing_file(failure: _ExpansionFailure, match: re.Match[str]) -> _
         near = f": xacro starts at the folder of the file, and the path leads to it only from {format_path(folder)}"
         correction = f"write `{wanted}`"
     repair = correction
-    if "\\" in path.name and Path(str(path).replace("\\", "/")).is_file():
+    if find_slashed_file(path, failure.source.finder) is not None:
         repair = "write `/` for each backslash"
         near = "; with `/` in place of each backslash, which only Windows reads as a separator, it exists"
     if (typed := find_package_address(str(path))) is not None:

@@ -83,6 +83,12 @@ def normalise_path(path: Path) -> Path:
     return Path(os.path.normpath(path))
 
 
+def find_slashed_file(path: Path, finder: PackageFinder) -> Path | None:
+    """Return the file that a path names with `/` in place of each backslash, which only Windows reads as a separator."""
+    meant = Path(str(path).replace("\\", "/"))
+    return meant if meant != path and finder.can_open(meant) and meant.is_file() else None
+
+
 def find_moved_files(missing: Iterable[Path], index: FilesByName) -> dict[Path, Path]:
     """Find the missing files of one folder that are together in another: each with its place there.
 

@@ -14,7 +14,7 @@ from urdfcheck.source.launch.substitutions import may_become
 from urdfcheck.source.model_file import compile_includes
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES
 from urdfcheck.source.package.finder import PackageFinder, format_path
-from urdfcheck.source.package.similar_files import index_files, normalise_path
+from urdfcheck.source.package.similar_files import find_slashed_file, index_files, normalise_path
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.text.xml import Element, SourceFile, XmlError, parse_xml
 from urdfcheck.source.xacro.file_contents import can_have_name, defines_macros, has_parts, is_include
@@ -37,6 +37,8 @@ def describe_meant_file(path: str, finder: PackageFinder, is_right: Trial, *, is
 
     :param is_expanded: whether xacro expands the file.
     """
+    if find_slashed_file(Path(path), finder) is not None:
+        return "; with `/` in place of each backslash it exists"
     folder, wanted = Path(path).parent, Path(path).name
     if not finder.can_open(folder / "any"):  # the report must not reveal files out of reach
         return ""
