@@ -43,7 +43,7 @@ def find(model: Path, *filenames: str, code: str) -> Finding:
         ("other/a.stl", "package://meshes/a.stl", Severity.ERROR, "", "package://NAME/meshes/", "refuses"),
         ("robot/a.txt", "package://gone/a.stl", Severity.ERROR, "", "or correct its name", "refuses"),
         # A released package: only a machine with ROS has it.
-        ("robot/a.txt", "package://ur_description/a.stl", Severity.WARNING, "", "install it, or pass", "refuses"),
+        ("robot/a.txt", "package://ur_description/a.stl", Severity.WARNING, "", "install it, if the", "refuses"),
     ],
 )
 def test_the_place_of_files_is_named_where_there_is_no_package(
@@ -310,6 +310,25 @@ def test_the_end_of_a_machine_path_may_be_a_file_of_the_package(tmp_path: Path, 
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ([] if edit is None else [edit])
     assert ("copy the file into" in finding.fix.title) == (edit is None)
+
+
+@pytest.mark.parametrize(
+    ("there", "has"),
+    [("abcd", "which has all"), ("abc", "which has 3 of 4"), ("ab", None)],
+)
+def test_another_package_may_have_most_files_of_a_machine(tmp_path: Path, there: str, has: str | None) -> None:
+    (tmp_path / ".git").mkdir()
+    write(tmp_path, "p/package.xml", text='<package format="3"><name>p</name></package>')
+    write(tmp_path, "q/package.xml", text='<package format="3"><name>q</name></package>')
+    write(tmp_path, *(f"q/meshes/{name}.stl" for name in there), *(f"q/old/{name}.stl" for name in "abcd"))
+    typed = [f"/home/ann/ws/src/p/meshes/{name}.stl" for name in "abcd"]
+    finding = find(tmp_path / "p/urdf/r.urdf", *typed, code="PKG004")
+    assert finding.fix is not None
+    write_ = "write `package://q/meshes/a.stl`, and the others likewise, and declare q in package.xml; else "
+    meant = f"if those of q are meant, {has}, {write_}"
+    assert finding.fix.title.startswith(meant) == (has is not None)
+    assert ("if those of" in finding.fix.title) == (has is not None)
+    assert "absolute paths of one machine" in finding.message
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.source.load import Source
 from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.released_packages import read_released_packages
+from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_namesakes,
@@ -56,6 +57,8 @@ _PLACEHOLDER = re.compile(r"/(?:path/to|(?:absolute|full|your)[_-]path)/", re.IG
 _RELEASED = "/opt/ros/"
 # A released name of one word (robot, urdf) is as often a folder of another kind.
 _OF_SEVERAL_WORDS = "_"
+# So many files of one package are those that are meant: fewer of these names (`meshes/base_link.stl`) many packages have.
+_LEAST_FILES = 3
 # So many outer folders (/, home, ann) are one place of a machine: what one author's tool wrote is one cause.
 _OUTER_FOLDERS = 3
 
@@ -114,6 +117,8 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
         listed=join_names(files, 2),
         host="" if host is None else host[1],
         kind=_KINDS[first.resource.kind][len(files) > 1],
+        exist="exist" if len(files) > 1 else "exists",
+        lack="do not exist" if len(files) > 1 else "does not exist",
         amount=format_count(len(files), "file is", "files are"),
         repair=_describe_repair(message, place, portable, source),
     )
@@ -253,11 +258,38 @@ def _describe_repair(message: str, place: _MachinePath, portable: Sequence[str |
         folder = f"copy {files} into a folder beside the model and write the path from there (`meshes/{name}`)"
         return f"{folder}; for ROS, into a package and write its package path"
     outer = _find_outer_file(place.uses, source)
-    what = "files" if outer and several else "file"
+    written = _format_future_path(future, place.uses, source)
+    what = "files" if several and (outer or "likewise" not in written) else "file"
     if outer:
         what += f" ({'the first is ' if several else ''}`{outer}` from the model)"
-    repair = f"copy the {what} into the model's package and write {_format_future_path(future, place.uses, source)}"
-    return f"{describe_namesakes(place.uses, source)}{repair}"
+    repair = f"copy the {what} into the model's package and write {written}"
+    return f"{describe_namesakes(place.uses, source) or _describe_sibling(place.uses, source)}{repair}"
+
+
+def _describe_sibling(uses: Sequence[ResourceUse], source: Source) -> str:
+    """Say before a repair that one other package of the project has most of the files, in folders of the same names."""
+    paths = list(dict.fromkeys(use.resource.path for use in uses if use.resource.path is not None))
+    own = source.package
+    if own is None or len(paths) < _LEAST_FILES:
+        return ""
+    packages = {name: f for name, f in source.finder.list_workspace_packages().items() if name != own.name}
+    index = index_files(packages.values())
+    having: dict[str, dict[Path, str]] = {}
+    for path in paths:
+        ending = split_machine_path(path)[-2:]
+        for place in index.get(ending[-1].lower(), ()):
+            around = source.finder.find_package_of(place) if list(place.parts[-2:]) == ending else None
+            if around is not None and around.name in packages and source.finder.can_open(place):
+                having.setdefault(around.name, {}).setdefault(path, place.relative_to(around.path).as_posix())
+    having = {name: f for name, f in having.items() if len(f) >= _LEAST_FILES and 2 * len(f) > len(paths)}
+    if len(having) != 1:
+        return ""
+    ((name, files),) = having.items()
+    are = "all" if len(files) == len(paths) else f"{len(files)} of {len(paths)}"
+    declare = describe_declaration(own, name, source.finder)
+    first = next(iter(files.values()))
+    write = f"write `package://{name}/{first}`, and the others likewise{declare}"
+    return f"if those of {name} are meant, which has {are}, {write}; else "
 
 
 def _describe_for_mujoco(portable: Sequence[str | None], source: Source) -> str:
