@@ -448,8 +448,41 @@ def test_a_released_package_is_declared(tmp_path: Path) -> None:
     write(tmp_path, {".gitmodules": '[submodule "q"]\n\tpath = lib\n\turl = u\n'})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/a.stl")))
     assert finding.fix is not None
-    assert finding.fix.title.startswith("declare it in package.xml and install it, or pass `--package ur_description")
+    begin = "declare it in package.xml and install it"
+    meant = ", if the released ur_description is meant; else add the package, or pass `--package ur_description"
+    assert finding.fix.title.startswith(begin + meant)
     assert "submodule" not in finding.fix.title
+
+
+@pytest.mark.parametrize(
+    ("beside", "meant"),
+    [
+        ("<name>ur_robot_driver</name>", ""),  # released with it
+        ("<name>q</name><depend>ur_description</depend>", ""),
+        ("<name>ur_of_ann</name>", ", if the released ur_description is meant"),
+    ],
+)
+def test_a_released_package_is_meant_where_the_project_has_its_family(tmp_path: Path, beside: str, meant: str) -> None:
+    write(tmp_path, {".git/HEAD": "", "q/package.xml": f"<package>{beside}</package>"})
+    finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/a.stl")))
+    assert finding.fix is not None
+    end = "; else add the package, or pass" if meant else ", or pass"
+    assert finding.fix.title.startswith(f"declare it in package.xml and install it{meant}{end}")
+
+
+def test_a_missing_package_is_reported_where_the_default_of_a_macro_names_it(tmp_path: Path) -> None:
+    arm = '<xacro:macro name="arm" params="prefix\n  limits:=\'$(find ur_description)/limits.yaml\'\n  size:=1"/>'
+    car = '<xacro:include filename="arm.xacro"/><xacro:arm prefix=""/><link name="base"/>'
+    head = '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    files = {"package.xml": "<package><name>car</name></package>"}
+    files |= {"arm.xacro": f"{head}{arm}</robot>", "car.urdf.xacro": f"{head}{car}</robot>"}
+    write(tmp_path, files)
+    (finding,) = check(tmp_path / "car.urdf.xacro", codes={"PKG001"}).findings
+    span = finding.location.span
+    assert span is not None
+    assert (Path(span.file).name, span.line) == ("arm.xacro", 2)
+    calls = [Path(place.span.file).name for place in finding.related if place.span is not None]
+    assert calls == ["car.urdf.xacro"]
 
 
 def test_visual_and_collision_of_one_missing_file_are_one_finding(tmp_path: Path) -> None:

@@ -575,12 +575,23 @@ def _describe_repair(
         return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`{run_time}"
     elsewhere = f"pass `--package {shlex.quote(package)}=FOLDER`"
     if package in read_released_packages() and not near:
-        return f"{'declare it in package.xml and ' if owner is not None else ''}install it, or {elsewhere}"
+        install = f"{'declare it in package.xml and ' if owner is not None else ''}install it"
+        if _belongs_to_release(package, source):
+            return f"{install}, or {elsewhere}"
+        # An unreleased package may have the name too.
+        return f"{install}, if the released {package} is meant; else add the package, or {elsewhere}"
     if near:
         declare = "declare it in package.xml or " if owner is not None else ""
         return f"correct the name{lacking}; if the package is only missing here, {declare}{elsewhere}"
     declare = " and declare it in package.xml" if owner is not None else ""
     return f"add the package{declare}, or correct its name; if it is in another folder, {elsewhere}"
+
+
+def _belongs_to_release(package: str, source: Source) -> bool:
+    """Whether the project shows that the released package is meant: it depends on that, or has a released one of its family."""
+    family = f"{package.partition('_')[0]}_"
+    relatives = {name for name in source.finder.list_workspace_packages() if name.startswith(family)}
+    return bool(relatives & read_released_packages()) or find_dependent_in_project(package, source.finder) is not None
 
 
 def _describe_path_of_part(here: Mapping[str, Path], package: str, at: Location, source: Source) -> str:

@@ -541,6 +541,12 @@ class Tracer:
             self.trace.readers.append([])
             try:
                 value = original(forward, default, symbols, macro)
+            except BaseException:
+                # The call names the macro alone: what cannot be evaluated is typed in the parameters.
+                definition = self._find_default_definition(macro, (forward, default))
+                if definition is not None:
+                    self.trace.failed_reads.append(definition)
+                raise
             finally:
                 forwarded = self.trace.readers.pop()
             self.last_reads = (*forwarded, *self.last_reads)
@@ -549,6 +555,15 @@ class Tracer:
             return value
 
         return trace_default
+
+    def _find_default_definition(self, macro: Any, default: tuple[Any, Any]) -> Definition | None:
+        """Return the parameter of a macro that has a default."""
+        raw = getattr(get_origin(macro.body), "raw", None)
+        params = None if raw is None else raw.attributes.get("params")
+        name = next((name for name in macro.params if macro.defaultmap.get(name) == default), None)
+        if params is None or name is None:
+            return None
+        return Definition("parameter", name, self.find_parameter_span(params, name))
 
     def find_parameter_span(self, params: Attribute, name: str) -> Span | None:
         """Return the place of ``name:=default`` in the parameters of a macro, which may take many lines."""
