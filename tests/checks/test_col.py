@@ -779,8 +779,8 @@ def vars_of(found: CollisionPair) -> tuple[object, ...]:
 # -- arms that cross -----------------------------------------------------------------------------------------------------
 
 
-def make_crossing_arms(joints: int, limb: str) -> str:
-    """Two limbs beside each other, whose last links reach over to the other side at rest alone."""
+def make_crossing_arms(joints: int, limb: str, drawn: str = "") -> str:
+    """Two limbs beside each other, whose last links reach over to the other side at rest alone; ``drawn``: what each draws."""
     parts = [make_link("base")]
     for side, y in (("left", 0.3), ("right", -0.3)):
         parent = "base"
@@ -790,17 +790,24 @@ def make_crossing_arms(joints: int, limb: str) -> str:
             parts.append(
                 make_joint(parent, name, f"0 {y} 0" if index == 0 else "0 0 0.1", axis="1 0 0" if last else "0 0 1")
             )
-            parts.append(make_link(name, f"0 {-0.5 * y:g} 0|{box('0.03 0.36 0.03')}") if last else make_link(name))
+            hand = collision(box("0.03 0.36 0.03"), xyz=f"0 {-0.5 * y:g} 0"), visual(drawn) if drawn else ""
+            parts.append(link(name, *hand) if last else make_link(name))
             parent = name
     return robot(*parts)
 
 
 @pytest.mark.parametrize(
-    ("joints", "limb", "severity"),
-    [(4, "arm", Severity.INFO), (2, "arm", Severity.WARNING), (4, "leg", Severity.WARNING)],
+    ("joints", "limb", "drawn", "severity"),
+    [
+        (4, "arm", "", Severity.INFO),
+        (2, "arm", "", Severity.WARNING),
+        (4, "leg", "", Severity.WARNING),
+        (4, "arm", box("0.03 0.1 0.03"), Severity.WARNING),
+    ],
 )
 def test_arms_that_cross_at_rest_alone_have_no_wrong_shape(
-    tmp_path: Path, joints: int, limb: str, severity: Severity
+    tmp_path: Path, joints: int, limb: str, drawn: str, severity: Severity
 ) -> None:
-    (finding,) = find(tmp_path, make_crossing_arms(joints, limb), "COL001")
+    """Those that are drawn apart at rest have one."""
+    (finding,) = find(tmp_path, make_crossing_arms(joints, limb, drawn), "COL001")
     assert (finding.message_id, finding.severity) == ("overlap", severity)

@@ -93,7 +93,7 @@ def check(model: Model, rule: Rule, *, graze: float, always: float, slight: floa
             and is_without_dynamics(model)
             and not semantic_descriptions(model)
         )
-        yield _build_overlap_finding(model, rule, group, samples=samples, is_unused=is_unused)
+        yield _build_overlap_finding(collisions, rule, group, is_unused=is_unused)
     for message, overlaps in (("nested", nested), ("bar", bars), ("slight", shallow)):
         if overlaps:
             yield rule.finding(
@@ -178,14 +178,19 @@ def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
     return pair.hit_share <= _RARELY and all(span is not None and _get_rest(span) in span for span in spans)
 
 
-def _are_crossed_arms(model: Model, pair: CollisionPair) -> bool:
-    """Whether two links are parts of two arms, each of several joints, which hardly ever meet but at rest: each shape is where
-    its part is. Two legs must be apart at rest."""
+def _are_crossed_arms(collisions: SelfCollisions, pair: CollisionPair) -> bool:
+    """Whether two links are parts of two arms, each of several joints, which hardly ever meet but at rest, and are not drawn
+    apart there: each shape is where its part is. Two legs must be apart at rest."""
+    model = collisions.setup.model
     one, other = (model.tree.find_path_to(name) for name in pair.links)
     ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
     if pair.hit_share > _RARELY or min(map(len, ways)) < _ARM_JOINTS:
         return False
-    return not any(LEG.search(f"{joint.name} {joint.child}") for way in ways for joint in way)
+    if any(LEG.search(f"{joint.name} {joint.child}") for way in ways for joint in way):
+        return False
+    from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart  # few pairs get here
+
+    return not is_drawn_apart(collisions, pair, at_rest=True)
 
 
 def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
@@ -367,8 +372,9 @@ def _group_by_shape(overlaps: Sequence[tuple[CollisionPair, Contact]]) -> Iterat
 
 
 def _build_overlap_finding(
-    model: Model, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], *, samples: int, is_unused: bool
+    collisions: SelfCollisions, rule: Rule, group: Sequence[tuple[CollisionPair, Contact]], *, is_unused: bool
 ) -> Finding:
+    model, samples = collisions.setup.model, collisions.sample_count
     pair, contact = group[0]
     is_disabled = {frozenset(p.links) for p, _ in group} <= _list_disabled_pairs(model)
     place = _find_common_shape_index(group)
@@ -385,7 +391,7 @@ def _build_overlap_finding(
         severity=Severity.INFO
         if is_unused
         or is_disabled
-        or all(_is_at_unused_pose(model, p) or _are_crossed_arms(model, p) for p, _ in group)
+        or all(_is_at_unused_pose(model, p) or _are_crossed_arms(collisions, p) for p, _ in group)
         else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
         srdf=_INTENDED if is_disabled else _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE,

@@ -14,9 +14,9 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.mesh_sizes import is_usable_shape
 
 
-def is_drawn_apart(collisions: SelfCollisions, pair: CollisionPair) -> bool:
+def is_drawn_apart(collisions: SelfCollisions, pair: CollisionPair, *, at_rest: bool = False) -> bool:
     """Whether the visuals of two links, and of all that is fixed to them, are apart in each sampled configuration in which the
-    collision shapes meet.
+    collision shapes meet, or ``at_rest``.
 
     False where either draws nothing, or a visual is not known.
 
@@ -27,7 +27,7 @@ def is_drawn_apart(collisions: SelfCollisions, pair: CollisionPair) -> bool:
     if not all(placed):
         return False
     sampled = collisions.poses
-    met = JointConfigurations(sampled.joints, sampled.values[pair.hits])
+    met = JointConfigurations(sampled.joints, sampled.values[:1] if at_rest else sampled.values[pair.hits])
     frames = poses.compute_frames(model, met)
     placements = np.stack([frames[name] for name in pair.links], axis=1)
     colliders = make_colliders([visual for visuals in placed for visual in visuals])
