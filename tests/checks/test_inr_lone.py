@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -167,3 +168,65 @@ def test_facets_do_not_change_the_density_that_programs_assume(tmp_path: Path, d
         tensor = compute_solid_inertia(solid, density * solid.volume)
         numbers.append(DeclaredInertial((9000 + 800 * i) * solid.volume, PLACE, tensor))
     assert [said in f.message for f in find(tmp_path, make_chain(numbers), "INR009")] == [True]
+
+
+# -- units of mass that only a density shows ----------------------------------------------------------------------------
+
+BEAD = make_box_solid((0.01, 0.01, 0.01))
+
+
+def make_bead(mass: float) -> DeclaredInertial:
+    """A cube of a centimetre with its tensor in kg·mm², or with mass and tensor in g and g·mm²."""
+    return DeclaredInertial(mass, np.zeros(3), 0.93e6 * compute_solid_inertia(BEAD, mass))
+
+
+@pytest.mark.parametrize(("mass", "detail"), [(0.005, "kg·mm²"), (0.1, "g and g·mm² or kg·mm²"), (1.0, "g and g·mm²")])
+def test_units_that_lead_to_the_same_numbers_are_named_once(mass: float, detail: str) -> None:
+    """A COM of zero is the same in millimetres."""
+    found = diagnose_inertial(make_bead(mass), geometry([((0.01, 0.01, 0.01), (0.0, 0.0, 0.0))]))
+    assert found is not None
+    assert found.detail == detail
+
+
+@pytest.mark.parametrize(
+    ("role", "heaviest", "message", "why"),
+    [
+        (collision, 2.0, "cause", "kg·mm² or g and g·mm²"),
+        (collision, 0.5, "named", "g and g·mm²"),  # of all masses it alone is that of no such part
+        (visual, 2.0, "named", "g and g·mm²"),  # so dense is no material
+    ],
+)
+def test_the_density_of_a_collision_shape_shows_no_unit_of_the_mass(
+    tmp_path: Path, role: Callable[[str], str], heaviest: float, message: str, why: str
+) -> None:
+    """The masses of the file are in kilograms, and the tensor fits one of its units as well."""
+    arm = DeclaredInertial(heaviest, np.zeros(3), 1e4 * compute_solid_inertia(BEAD, heaviest))
+    text = robot(
+        link("base", format_inertial(arm, 8)),
+        joint("j", "base", "hand", kind="continuous", xyz="0.1 0 0"),
+        link("hand", format_inertial(make_bead(1.0), 8), role(box("0.01 0.01 0.01"))),
+    )
+    (finding,) = find(tmp_path, text, "INR009")
+    assert (finding.message_id, f"({why}?)" in finding.headline) == (message, True)
+    assert bool(finding.fix and finding.fix.edits) == (message != "cause")
+
+
+def test_a_unit_of_most_links_is_that_of_a_collision_shape_too(tmp_path: Path) -> None:
+    numbers = [replace(make_part(i), tensor=1e6 * make_part(i).tensor) for i in range(5)]
+    hand = link("hand", format_inertial(make_bead(0.5), 8), collision(box("0.01 0.01 0.01")))
+    more = joint("h", "l4", "hand", kind="continuous", xyz="0.1 0 0") + hand
+    (finding,) = find(tmp_path, make_chain(numbers).replace("</robot>", f"{more}</robot>"), "INR009")
+    assert finding.message.startswith("6 of 6 links fit one mistake (unit of the tensor: kg·mm²)")
+
+
+def test_what_most_links_are_compared_with_is_named(tmp_path: Path) -> None:
+    """An open mesh has only the tensor of its hull."""
+    files = {}
+    numbers = [replace(make_part(i), tensor=1.3e6 * make_part(i).tensor) for i in range(5)]
+    text = make_chain(numbers)
+    for i, edges in enumerate(EDGES):
+        faces = [line for k, line in enumerate(write_box(edges).split("endfacet\n")) if k]
+        files[f"{i}.stl"] = "solid o\n" + "endfacet\n".join(faces)
+        text = text.replace(box(" ".join(map(str, edges))), mesh(f"{i}.stl"))
+    (finding,) = find(tmp_path, files | {"robot.urdf": text}, "INR009")
+    assert "the median tensor is 30 % off that of the convex hull of the open mesh instead of" in finding.message

@@ -77,8 +77,7 @@ class Ranking:
     @cached_property
     def is_same_correction(self) -> Bools:
         """(N,), whether undoing the mistake leads to the same numbers and scale as undoing the best."""
-        same: Bools = self.numbers.find_equal_rows(0) & [m.factor == self.best.factor for m in self.mistakes]
-        return same
+        return self._find_same_corrections(0)
 
     @cached_property
     def margin(self) -> float:
@@ -92,8 +91,18 @@ class Ranking:
     def contenders(self) -> list[Mistake]:
         """The best explanation, and those within the margin that lead to other numbers: a mistake may be certain while its
         parameter is not, such as which axes were swapped, or which of two units."""
-        within = np.flatnonzero((self.leads <= MARGIN) & ~self.is_same_correction).tolist()
-        return [self.mistakes[i] for i in (0, *within)]
+        is_left = self.leads <= MARGIN
+        found = []
+        while is_left.any():
+            found.append(int(is_left.argmax()))
+            is_left &= ~self._find_same_corrections(found[-1])
+            is_left[found[-1]] = False
+        return [self.mistakes[i] for i in found or (0,)]
+
+    def _find_same_corrections(self, i: int) -> Bools:
+        """Return whether (N,) undoing each mistake leads to the same numbers and scale as undoing mistake ``i``."""
+        same: Bools = self.numbers.find_equal_rows(i) & [m.factor == self.mistakes[i].factor for m in self.mistakes]
+        return same
 
 
 def rank_explanations(suspect: Suspect, habit: Habit | None = None) -> Ranking:

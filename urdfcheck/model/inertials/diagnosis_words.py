@@ -140,9 +140,9 @@ def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
     (before, after), (far, near) = compute_medians(shares), compute_medians(distances)
     claims = []
     if after < _BETTER * before:
-        claims.append(
-            f"the median tensor is {_format_share(after)} off the drawn part's instead of {_format_share(before)}"
-        )
+        sources = dict.fromkeys(describe_geometry_source(model, link) for link in links)
+        owner = f"{DRAWN_PART}'s" if list(sources) == [DRAWN_PART] else f"that of {' or '.join(sources)}"
+        claims.append(f"the median tensor is {_format_share(after)} off {owner} instead of {_format_share(before)}")
     if near < 0.5 * far:
         claims.append(f"the median COM is {format_length(near)} off instead of {format_length(far)}")
     return " and ".join(claims) or "they agree better with the drawn parts"

@@ -30,6 +30,7 @@ from urdfcheck.model.inertials.diagnosis.kept_verdicts import (
 from urdfcheck.model.inertials.diagnosis.link_diagnosis import diagnose_link, measure_link_evidence
 from urdfcheck.model.inertials.diagnosis.mesh_frames import name_mesh_frames
 from urdfcheck.model.inertials.diagnosis.rounded_masses import name_units_of_rounded_masses
+from urdfcheck.model.inertials.diagnosis.units_of_bounds import doubt_units_of_bounds
 from urdfcheck.model.inertials.diagnosis.verdict_keys import compute_model_key, compute_verdict_key
 from urdfcheck.model.inertials.diagnosis.weak_causes import drop_causes_of_bounds, drop_weak_causes
 from urdfcheck.model.inertials.unmoved_pieces import join_unmoved_pieces
@@ -98,7 +99,8 @@ def inertial_diagnoses(model: Model) -> Mapping[str, DiagnosedInertial]:
     joined = join_unmoved_pieces(model, numbers, decoded | drop_weak_causes(model, numbers, others))
     added = join_added_pieces(model, numbers, joined)
     in_units = name_units_of_rounded_masses(model, numbers, added)
-    commented = name_commented_masses(model, numbers, in_units)
+    doubted = doubt_units_of_bounds(model, numbers, in_units, habit)
+    commented = name_commented_masses(model, numbers, doubted)
     named = name_mesh_frames(model, numbers, name_edited_masses(model, numbers, commented))
     for name, diagnosis in named.items():
         is_habit = diagnosis.cause is not None and (diagnosis.cause, diagnosis.detail) == habit
