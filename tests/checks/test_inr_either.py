@@ -36,6 +36,35 @@ def test_what_a_file_computes_was_not_copied(tmp_path: Path, value: str, words: 
     assert words in finding.fix.title
 
 
+@pytest.mark.parametrize("side", ["-1", "1"])
+def test_one_line_of_a_macro_gets_no_numbers_that_are_right_for_one_side(tmp_path: Path, side: str) -> None:
+    """All links of the line are named together."""
+    tensor = '<inertia ixx="${m*0.1}" ixy="0" ixz="0" iyy="${m*0.1}" iyz="0" izz="${m*0.5}"/>'
+    boxes = visual(box("0.1 0.2 0.1"), xyz="0 ${0.1*side} 0.1") + visual(box("0.1 0.1 0.1"))
+    arm = link("${name}", f'<inertial><mass value="${{m}}"/>{tensor}</inertial>', boxes)
+    turning = joint("j_${name}", "base", "${name}", kind="continuous")
+    macro = f'<xacro:macro name="arm" params="name side">{arm}{turning}</xacro:macro>'
+    calls = f'<xacro:arm name="left" side="1"/><xacro:arm name="right" side="{side}"/>'
+    text = robot('<xacro:property name="m" value="1"/>', link("base"), macro, calls, xacro=True)
+    (finding,) = find(tmp_path, text, {"INR003"}, name="robot.urdf.xacro")
+    assert finding.message.startswith("left, right: principal moments")
+    assert finding.headline.startswith("left, right: ")
+    assert finding.fix is not None
+    assert ('izz="' in finding.fix.title) == (side == "1")
+    assert finding.fix.title.endswith("correct the formula that computes it")
+
+
+def test_links_of_one_line_that_are_fixed_to_two_bodies_are_named_together(tmp_path: Path) -> None:
+    tensor = '<inertia ixx="1e-4" ixy="0" ixz="0" iyy="1e-4" iyz="0" izz="3e-4"/>'
+    camera = link("${on}_cam", f'<inertial><mass value="0.1"/>{tensor}</inertial>', visual(box("0.1 0.1 0.1")))
+    macro = f'<xacro:macro name="cam" params="on">{camera}{joint("${on}_fix", "${on}", "${on}_cam")}</xacro:macro>'
+    bodies = link("base", inertial(5)), link("head", inertial(3)), joint("neck", "base", "head", kind="continuous")
+    text = robot(macro, *bodies, '<xacro:cam on="base"/><xacro:cam on="head"/>', xacro=True)
+    (finding,) = find(tmp_path, text, {"INR003"}, name="robot.urdf.xacro")
+    assert finding.message_id == "fused"
+    assert finding.message.startswith("base_cam, head_cam: principal moments")
+
+
 FORMULAS = ("${m*(y*y+z*z)/12}", "${m*(x*x+z*z)/12}", "${m*(x*x+z*z)/12}")
 POWERS = ("${m/12*(d**2 + h**2)}", "${m/12*(w**2 + h**2)}", "${ m/12*(w**2+h**2) }")
 ROUND = ("${m*(3*x*x+z*z)/12}", "${m*(3*x*x+z*z)/12}", "${m*x*x*4*2}")

@@ -83,6 +83,21 @@ def test_a_shape_without_any_size_is_removed(tmp_path: Path, shape: str, repair:
     assert found
 
 
+@pytest.mark.parametrize(
+    ("other", "repair"), [("1", "give parameter k another value than 0, or"), ("0", "remove this")]
+)
+def test_the_line_of_a_macro_that_makes_sound_shapes_is_not_removed(tmp_path: Path, other: str, repair: str) -> None:
+    wheel = link("${name}", HEAVY, collision(cylinder("${0.1*k}", "${0.2*k}")))
+    calls = "".join(f'<xacro:wheel name="{name}" k="{k}"/>' for name, k in (("a", "0"), ("b", other)))
+    text = robot(f'<xacro:macro name="wheel" params="name k">{wheel}</xacro:macro>', calls, xacro=True)
+    found = find(tmp_path, text, "GEO001", name="robot.urdf.xacro")
+    assert found
+    for finding in found:
+        assert finding.fix is not None
+        assert finding.fix.title.startswith(repair)
+        assert finding.fix.title.endswith("makes that of b") == (other == "1")
+
+
 FREE = 'write type="continuous" if the joint turns without limits, as Bullet reads it; otherwise swap the two'
 
 

@@ -12,6 +12,7 @@ from urdfcheck.model import Link, Model, Shape
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.source.text.engine_reactions import describe_loss
+from urdfcheck.source.text.handed_values import list_zero_sources
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
 
@@ -36,6 +37,7 @@ INSIDE_OUT = "the sphere has a negative volume and collides only deep inside"
 DROPPED = "drops the link, which has no mass, and the shape with it"
 _REMOVE = "remove this <collision>, or write its real size"
 _WRITE = "write the real {}, or remove this <collision>"
+_GIVE = "{}, or leave this <collision> out there by <xacro:if>: the same line makes that of {}"
 # They read the file by urdfdom, which does not know capsules.
 THROUGH_URDFDOM = ("urdfdom", "gazebo", "pinocchio")
 # Programs that load a sphere of radius 0 as the point that it is meant to be.
@@ -126,9 +128,22 @@ def _check_dimensions(
             reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
     elif zero:
-        yield rule.finding(
-            "zero", at=attribute, repair=_REMOVE if _is_nothing(shape) else _WRITE.format(attribute.name), **data
-        )
+        yield rule.finding("zero", at=attribute, repair=_describe_repair(model, shape, attribute), **data)
+
+
+def _describe_repair(model: Model, shape: Shape, attribute: Attribute) -> str:
+    """Say what to do about a size of zero. Not to remove the shape where its text also makes one that has a size: what a macro
+    was given is wrong."""
+    for link in model.links:
+        for other in link.collisions:
+            element = other.geometry_element if other.element.span == shape.element.span is not None else None
+            like = None if element is None else element.attributes.get(attribute.name)
+            sizes = None if like is None else parse_numbers(like.value, len(like.value.split()))
+            if sizes is not None and all(sizes):
+                sources = join_names(list_zero_sources([attribute]))
+                wrong = f"give {sources} another value than 0" if sources else f"write the real {attribute.name}"
+                return _GIVE.format(wrong, link.name)
+    return _REMOVE if _is_nothing(shape) else _WRITE.format(attribute.name)
 
 
 def _is_nothing(shape: Shape) -> bool:

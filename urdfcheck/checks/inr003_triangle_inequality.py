@@ -33,7 +33,7 @@ _BALANCED = "replaces the three moments by their mean: balanceinertia is set"
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
     # Copies of one finger are one finding.
     findings = _check_each_link(model, rule, rel_tol=rel_tol, rounding=rounding)
-    merged = merge_identical(rule, findings, "link", "other")
+    merged = merge_identical(rule, findings, "link", "other", varying=("whole",))
     if not has_mujoco_option(model.robot, "balanceinertia", "true"):
         yield from merged
         return
@@ -201,9 +201,9 @@ def _collect_data(declared: DeclaredTensor, excess: float, typed: TensorRounding
 
 
 def _describe_slips(declared: DeclaredTensor) -> str:
-    from urdfcheck.model.inertials.proposals.zero_moments import list_zero_sources
+    from urdfcheck.model.inertials.proposals.zero_moments import list_zero_moment_sources
 
-    if sources := list_zero_sources(declared):
+    if sources := list_zero_moment_sources(declared):
         return f", or give {join_names(sources)} another value than 0"
     return _COPIED if _is_copied(declared) else _COMPUTED
 

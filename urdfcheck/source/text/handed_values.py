@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from urdfcheck.core import Span
 from urdfcheck.core.records import dataclass
@@ -21,6 +21,8 @@ _PARAMETER, _WHOLE = (
     re.compile(r"""[^\s:=]+\s*:?=\s*(?:\^\|?)?(['"]?)(.*)\1""", re.DOTALL),
     re.compile(r"()(.*)", re.DOTALL),
 )
+# How a zero is typed.
+_ZEROS = frozenset({"0", "0.0", "0."})
 # A property may be defined by another, and a call may hand on what its macro was given.
 _MOST_STEPS = 50
 
@@ -58,6 +60,12 @@ def find_typed_value(attribute: Attribute) -> TypedValue | None:
         if _is_same_value(typed, attribute.value):
             return TypedValue(definition.span, typed)
     return None
+
+
+def list_zero_sources(attributes: Iterable[Attribute]) -> list[str]:
+    """List the properties, arguments and parameters that are 0, of those from which the values of attributes are computed."""
+    definitions = (definition for attribute in attributes for definition in attribute.collect_definitions())
+    return list(dict.fromkeys(f"{d.kind} {d.name}" for d in definitions if d.value.strip() in _ZEROS))
 
 
 def find_handed_text(attribute: Attribute, files: Mapping[str, SourceFile]) -> TypedValue | None:

@@ -50,7 +50,9 @@ def _doubt_unit(
     if len(readings) > 1 or readings == units or drawn is None or explain_collision_stand_in(model, link) is None:
         return one
     declared, (reading,) = numbers[name], readings
-    others = (other.mass for other in model.masses if other.link is not link and not _is_like(found, other.link.name, one))
+    others = (
+        other.mass for other in model.masses if other.link is not link and not _is_like(found, other.link.name, one)
+    )
     if max(others, default=0.0) < declared.mass:
         return one
     if habit == ("inertia_unit", reading):

@@ -15,11 +15,11 @@ from urdfcheck.facts.inertials.materials import DENSEST, DENSEST_PART, LIGHTEST
 from urdfcheck.facts.inertials.mistakes.wrong_formulas import is_rounding_of
 from urdfcheck.model.fact import fact
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
-from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text
+from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call, links_by_inertial_text, list_numbers
 from urdfcheck.model.inertials.proposals.like_links import has_com_of_twin
 from urdfcheck.model.inertials.proposals.tensor_repairs import InertialProposal
 from urdfcheck.model.parts import DeclaredTensor, Link
-from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
+from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair, have_one_text
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.visual_solid import (
     DRAWN_PART,
@@ -89,12 +89,28 @@ def describe_possible_inertial(model: Model, link: Link) -> str:
 def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> InertialProposal:
     """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where it may not be that of
     the part, or where both sides have one COM that is not the drawn part's, or where primitives are drawn in another place than
-    the COM that was typed: they may mark where the link is, not where its mass is."""
+    the COM that was typed: they may mark where the link is, not where its mass is. Nothing where one text gives links the same
+    numbers, and the parts that they draw have others, as the two sides of a robot."""
     drawn = describe_possible_inertial(model, link)
+    if drawn and _makes_other_parts(model, link):
+        return InertialProposal(message=message)
     is_elsewhere = has_com_apart(model, link) and (has_com_of_twin(model, link) or _draws_mark(link))
     if drawn and not is_elsewhere and draws_part(model, link):
         return InertialProposal(message=message, remedy=f"write {drawn}, or ")
     return InertialProposal(message=message, comparison=format_comparison(drawn))
+
+
+def _makes_other_parts(model: Model, link: Link) -> bool:
+    """Whether the text that gives a link its numbers gives them to one that draws something else, too."""
+    own = _compute_from_geometry(model, link)
+    return link.inertial is not None and any(
+        list_numbers(other) == list_numbers(link)
+        and own is not None
+        and other.inertial is not None
+        and have_one_text(own.places, link.inertial, other.inertial)
+        and _format_drawn_inertial(model, other) != own.text
+        for other in links_by_inertial_text(model)[link.inertial.element.span]
+    )
 
 
 def _draws_mark(link: Link) -> bool:

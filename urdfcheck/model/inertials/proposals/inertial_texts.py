@@ -55,8 +55,7 @@ def describe_own_call(model: Model, link: Link, change: InertialRepair) -> str:
         if one is not link and one.inertial is not None
         if (text := one.inertial.tensor_element if places else one.inertial.origin.element) is not None
         if made is not None and text.span == made.span
-        if (places and _list_numbers(one) != _list_numbers(link))
-        or (moves_com and _is_drawn_elsewhere(model, one, link))
+        if (places and list_numbers(one) != list_numbers(link)) or (moves_com and _is_drawn_elsewhere(model, one, link))
     ]
     if made is None or not others or not made.location.via:
         return " as the result of the formula" if any(map(is_computed_from_lengths, places)) else ""
@@ -75,7 +74,8 @@ def _is_handed_on(attribute: Attribute) -> bool:
     return typed is not None and typed.span != attribute.span
 
 
-def _list_numbers(link: Link) -> tuple[object, object]:
+def list_numbers(link: Link) -> tuple[object, object]:
+    """List the mass and the tensor of a link."""
     return (link.inertial and link.inertial.mass, link.inertial and link.inertial.inertia_components)
 
 

@@ -11,6 +11,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_parallel_axis_term,
 from urdfcheck.model.inertials.proposals.drawn_inertials import compute_drawn_tensor
 from urdfcheck.model.parts import TENSOR_NAMES, DeclaredTensor
 from urdfcheck.model.robot import Model
+from urdfcheck.source.text.handed_values import list_zero_sources
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 _OF_POINT = 1e-3
 # Programs that round a moment (kg m²) keep more than two decimals.
 _FEW_DECIMALS = 5e-3
-# How a zero is typed.
-_ZEROS = frozenset({"0", "0.0", "0."})
 # Where the moments are in ``ixx ixy ixz iyy iyz izz``.
 _DIAGONAL = (0, 3, 5)
 
@@ -97,12 +96,10 @@ def describe_zero_moments(declared: DeclaredTensor) -> str:
     """Say which moments are zero where these are more than a rod has; empty otherwise."""
     zeros = _list_zero_moments(declared)
     names = join_names(TENSOR_NAMES[_DIAGONAL[i]] for i in zeros)
-    sources = join_names(list_zero_sources(declared))
+    sources = join_names(list_zero_moment_sources(declared))
     return f"; {names} are 0, as if never filled in{f' ({sources})' if sources else ''}" if len(zeros) > 1 else ""
 
 
-def list_zero_sources(declared: DeclaredTensor) -> list[str]:
+def list_zero_moment_sources(declared: DeclaredTensor) -> list[str]:
     """List the properties and arguments that are 0, and from which moments of zero are computed."""
-    zeros = [declared.get_attribute(_DIAGONAL[i]) for i in _list_zero_moments(declared)]
-    definitions = [definition for attribute in zeros for definition in attribute.collect_definitions()]
-    return list(dict.fromkeys(f"{d.kind} {d.name}" for d in definitions if d.value.strip() in _ZEROS))
+    return list_zero_sources(declared.get_attribute(_DIAGONAL[i]) for i in _list_zero_moments(declared))
