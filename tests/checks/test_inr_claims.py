@@ -114,6 +114,31 @@ def test_a_placeholder_a_thousand_times_too_large_is_an_error(
     assert (finding.code, finding.severity) == ("INR007", severity)
 
 
+PACKAGE = '<package format="3"><name>p</name><version>1.0.0</version>{}</package>'
+START = '<launch><node pkg="p" exec="drive" args="robot.urdf"/></launch>'
+
+
+@pytest.mark.parametrize(
+    ("more", "files", "severity"),
+    [
+        ("", {"package.xml": PACKAGE.format("")}, Severity.WARNING),
+        ("", {}, Severity.ERROR),  # a file alone may be for any program
+        ("", {"package.xml": PACKAGE.format("<depend>gazebo_ros</depend>")}, Severity.ERROR),
+        ("", {"package.xml": PACKAGE.format(""), "launch/start.launch": START}, Severity.ERROR),
+        (collision(box("0.1 0.1 0.1")), {"package.xml": PACKAGE.format("")}, Severity.ERROR),
+        ("<!--<inertial><mass value='0.9'/></inertial>-->", {}, Severity.WARNING),
+    ],
+)
+def test_a_placeholder_of_a_model_that_is_only_drawn_or_that_replaced_other_numbers_is_no_error(
+    tmp_path: Path, more: str, files: dict[str, str], severity: Severity
+) -> None:
+    text = arm_on_base(inertial(0.9, "9"), visual(box("0.1 0.1 0.1")) + more)
+    (finding,) = find(tmp_path, {"urdf/robot.urdf": text, **files}, "INR007", name="urdf/robot.urdf")
+    assert finding.severity == severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("put back the <inertial> that a comment holds") == ("<!--" in more)
+
+
 def make_foot(moment: str) -> str:
     shank = inertial(0.6, ixx="0.006", iyy="0.006", izz="0.0001")
     return robot(

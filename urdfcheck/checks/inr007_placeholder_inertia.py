@@ -33,7 +33,13 @@ from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
     measure_role_geometry,
 )
-from urdfcheck.model.use.display import is_loaded_for_frames, is_made_for_display, is_never_weighed
+from urdfcheck.model.stated_reasons import has_commented_child
+from urdfcheck.model.use.display import (
+    is_drawn_alone,
+    is_loaded_for_frames,
+    is_made_for_display,
+    is_never_weighed,
+)
 from urdfcheck.model.use.other_programs import is_weighed_by_bullet
 from urdfcheck.model.use.simulators import has_elements
 
@@ -61,6 +67,7 @@ _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
 _TOO_LARGE_BASE = {"gazebo": "too much inertia makes the robot tilt and turn sluggishly", "mujoco": "loads it"}
+_COMMENTED = "put back the <inertial> that a comment holds, or "
 _UNFELT = {"gazebo": "loads it", "mujoco": "loads it"}
 _TOO_SMALL = {
     "gazebo": "too little inertia makes a joint shake or explode",
@@ -317,6 +324,7 @@ def _build_tensor_finding(
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
+            commented=_COMMENTED if all(_has_commented_inertial(model, suspect) for suspect in every) else "",
             consequences=_UNFELT
             if message in {"untouched", "stand", "absorbed"}
             else too_large
@@ -339,14 +347,21 @@ def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str
 
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:
-    """Return an error where a tensor is so large that no undrawn part makes up for it, and an info where only the moment of rods
-    about their own length is off, or the model is only displayed; None: as the page says."""
+    """Return an error where a tensor is so large that no undrawn part makes up for it, unless nothing that reads it is known or
+    it replaces one in a comment; an info where only the moment of rods about their own length is off, or the model is only
+    displayed; None: as the page says."""
     if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
         return Severity.INFO
-    if not any(_is_vast(model, suspect) for suspect in known):
+    if not any(_is_vast(model, suspect) for suspect in known) or is_drawn_alone(model):
         return None
+    if all(_has_commented_inertial(model, suspect) for suspect in known):
+        return None  # it was put in place of the part's own
     has_shapes = all(suspect.declared.link.collisions for suspect in known)
     return None if has_shapes and not has_elements(model) and is_weighed_by_bullet(model) else Severity.ERROR
+
+
+def _has_commented_inertial(model: Model, suspect: _PlaceholderInertial) -> bool:
+    return has_commented_child(model, suspect.declared.link.element, "inertial")
 
 
 def _is_vast(model: Model, suspect: _PlaceholderInertial) -> bool:
