@@ -33,7 +33,7 @@ _BALANCED = "replaces the three moments by their mean: balanceinertia is set"
 def check(model: Model, rule: Rule, *, rel_tol: float, rounding: float) -> Iterator[Finding]:
     # Copies of one finger are one finding.
     findings = _check_each_link(model, rule, rel_tol=rel_tol, rounding=rounding)
-    merged = merge_identical(rule, findings, "link", "other", varying=("whole",))
+    merged = merge_identical(rule, findings, "link", varying=("other", "whole"))
     if not has_mujoco_option(model.robot, "balanceinertia", "true"):
         yield from merged
         return

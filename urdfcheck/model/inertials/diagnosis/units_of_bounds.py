@@ -1,4 +1,4 @@
-"""A unit of the mass that only the density of a collision shape shows: the tensor is explained as well where masses are in kg."""
+"""A unit of the mass that only the density of a collision shape shows: with masses in kilograms, another unit fits, too."""
 
 from __future__ import annotations
 
