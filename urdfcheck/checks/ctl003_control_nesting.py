@@ -9,7 +9,7 @@ from dataclasses import replace
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
-from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
+from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, find_own_hardware_sim, reads_transmissions
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
 from urdfcheck.model.repairs.edits import edit_content
 from urdfcheck.model.use.other_programs import names_ros_control
@@ -21,7 +21,10 @@ INTERFACES = (
     *("EffortJointInterface", "PositionJointInterface", "VelocityJointInterface", "JointStateInterface"),
     *("PosVelJointInterface", "PosVelAccJointInterface"),
 )
+# Those that the class takes with which gazebo_ros_control simulates the hardware by default.
+_SIMULATED = INTERFACES[:3]
 _PREFIX = "hardware_interface/"
+_TAKEN = f"write an interface that gazebo_ros_control takes by default: {join_names(_SIMULATED)}, each with {_PREFIX} before it"
 _TYPE = "<type>transmission_interface/SimpleTransmission</type>"
 _UNREAD = "delete it: ROS 2 reads the transmissions inside <ros2_control> only"
 
@@ -165,16 +168,22 @@ def _check_interface_name(
     if not name or name in INTERFACES or (slash and package != "hardware_interface"):
         return
     near = difflib.get_close_matches(name, INTERFACES, n=1, cutoff=0.8)
-    if near:
-        yield rule.finding(
-            "interface-unknown",
-            at=interface,
-            severity=severity,
-            edits=edit_content(interface, _PREFIX + near[0], model.source.files),
-            joint=joint,
-            interface=text,
-            near=_PREFIX + near[0],
-        )
+    if not near:
+        return
+    own_sim = find_own_hardware_sim(model)
+    # Without gazebo_ros_control another program may take the others.
+    is_taken = near[0] in _SIMULATED or severity is not None
+    yield rule.finding(
+        "interface-own" if own_sim else "interface-unknown",
+        at=interface,
+        severity=Severity.INFO if own_sim else severity,
+        edits=edit_content(interface, _PREFIX + near[0], model.source.files) if is_taken and not own_sim else (),
+        joint=joint,
+        interface=text,
+        near=_PREFIX + near[0],
+        sim=own_sim,
+        repair=f"write {_PREFIX}{near[0]}" if is_taken else _TAKEN,
+    )
 
 
 def _check_missing_prefix(model: Model, rule: Rule) -> Iterator[Finding]:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import re
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -17,13 +15,13 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import Joint
 from urdfcheck.model.shapes.extent import find_lowest_point
+from urdfcheck.source.launch.around.naming_files import any_file_names, is_started_in_project
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.node_graph import build_launch_scene
 from urdfcheck.source.launch.static_transforms import StaticTransform
 from urdfcheck.source.package.finder import format_path
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS
 from urdfcheck.source.text.xml import COMMENT
-from urdfcheck.system.files import FileTooLargeError, read_regular, read_text_or_nothing, walk
+from urdfcheck.system.files import read_text_or_nothing
 
 # Numbers that were rounded differ by less: degrees and metres.
 _SAME_ANGLE, _SAME_PLACE = 0.5, 1e-3
@@ -34,9 +32,10 @@ _NO_USE = re.compile(r"base_link\s+base_footprint\b|<!--.*?(?:-->|\Z)", re.DOTAL
 # The model that a launch file hands to Gazebo as a file, and what of a model may publish odometry.
 _SPAWNED = re.compile(r"(?<![\w-])-file\s+\$\(find\s+([\w.-]+)\s*\)/([^\s$\"'<>]+\.(?:urdf|xacro))\b", re.IGNORECASE)
 _ODOMETRY = re.compile(r"odom|drive|footprint", re.IGNORECASE)
-# The files that name frames: of a project with more of them, or with larger ones, it is not known what they name.
+# The files that name frames.
 _NAMING = (".launch", ".xml", ".py", ".yaml", ".yml", ".urdf", ".xacro", ".rviz", ".cpp", ".lua", ".sdf", ".gazebo")
-_MOST_FILES, _LARGEST = 500, 500_000
+# A larger model is not read.
+_LARGEST = 500_000
 
 
 def check(context: LaunchContext, rule: Rule, *, height_tol: float, likeness: float) -> Iterator[Finding]:
@@ -151,8 +150,11 @@ def _check_footprint(
     drives = model is not None and any(True for _ in list_drive_plugins(model))
     is_foreign = exported and model is None and _lacks_frames(launch, transform)
     if is_foreign or (exported and not drives and not _is_frame_used(launch, transform.child)):
+        # What the exporter writes, and nothing starts, is a left-over as a whole.
+        is_idle = cause is not None and not is_started_in_project(launch)
+        unused = "footprint-idle" if is_idle else "footprint-unused"
         yield rule.finding(
-            "footprint-foreign" if is_foreign else "footprint-unused",
+            "footprint-foreign" if is_foreign else unused,
             at=transform.at,
             cause=cause,
             severity=Severity.INFO,
@@ -209,25 +211,7 @@ def _lacks_frames(launch: Launch, transform: StaticTransform) -> bool:
 
 def _is_frame_used(launch: Launch, frame: str) -> bool:
     """Whether a file of the project names the frame apart from the exporter's line, as far as that is known."""
-    project = launch.finder.find_searched_project(launch.path)
-    # The walk itself is cut off, so the order of the folders does not decide.
-    files = list(itertools.islice(_iter_naming_files(project), _MOST_FILES + 1))
-    return len(files) > _MOST_FILES or any(_names_frame(launch, path, frame) for path in files)
-
-
-def _iter_naming_files(project: Path) -> Iterator[Path]:
-    for here, inner, names in walk(project):
-        inner[:] = sorted(name for name in inner if not name.startswith(".") and name not in BUILD_FOLDERS)
-        yield from (Path(here, name) for name in sorted(names) if name.endswith(_NAMING))
-
-
-def _names_frame(launch: Launch, path: Path, frame: str) -> bool:
-    if not launch.finder.can_open(path):
-        return False
-    try:
-        return frame in _NO_USE.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
-    except (OSError, FileTooLargeError):
-        return True
+    return any_file_names(launch, _NAMING, lambda _, text: frame in _NO_USE.sub("", text))
 
 
 def _describe_new_root(transform: StaticTransform, *, place: str, otherwise: str) -> str:

@@ -7,6 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule
 from urdfcheck.model.launch_context import LaunchContext
+from urdfcheck.source.launch.around.naming_files import is_started_in_project
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.static_transforms import get_executable
 from urdfcheck.source.ros.distributions import is_only_before_noetic
@@ -37,10 +38,11 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
             continue
         if message is not None:
             data: dict[str, Any] = {"sliders": sliders} if message == "use-gui" else {}
+            is_made = message == "calibration" and is_exported
             yield rule.finding(
-                message,
+                "calibration-idle" if is_made and not is_started_in_project(launch) else message,
                 at=element,
-                cause="solidworks-exporter" if message == "calibration" and is_exported else None,
+                cause="solidworks-exporter" if is_made else None,
                 edits=build_removal_edits(element, launch.files),
                 name=element.get("name"),
                 **data,

@@ -10,6 +10,8 @@ from urdfcheck.source.text.xml import Element
 
 _NEW_GAZEBO = re.compile(r"(?:lib)?(?:gz|ignition-gazebo|gz_ros2_control|ign_ros2_control)[-_]")
 
+# The class with which gazebo_ros_control simulates the hardware of a robot that names none.
+_DEFAULT_SIM = "gazebo_ros_control/DefaultRobotHWSim"
 _TRUE = frozenset({"true", "1"})
 # The elements that name the frame of a sensor's messages: in the sensors of the new Gazebo, and in plugins of Classic too.
 FRAME_TAGS = frozenset({"frame_id", "gz_frame_id", "ignition_frame_id"})
@@ -118,8 +120,23 @@ def collect_plugin_texts(model: Model) -> frozenset[str]:
 
 def reads_transmissions(model: Model) -> bool:
     """Whether the robot loads gazebo_ros_control: nothing else in a model reads its transmissions."""
+    return bool(_list_control_plugins(model))
+
+
+def find_own_hardware_sim(model: Model) -> str:
+    """Return the class with which gazebo_ros_control simulates the hardware, if it is not its own: that class decides which
+    interfaces of joints there are. Empty if one plugin names none."""
+    named = [
+        (e.text.strip() if e is not None else "")
+        for e in (p.find_child("robotSimType") for p in _list_control_plugins(model))
+    ]
+    is_own = bool(named) and all(name and name != _DEFAULT_SIM for name in named)
+    return named[0] if is_own else ""
+
+
+def _list_control_plugins(model: Model) -> list[Element]:
     plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
-    return any("gazebo_ros_control" in plugin.get("filename") for plugin in plugins)
+    return [plugin for plugin in plugins if "gazebo_ros_control" in plugin.get("filename")]
 
 
 # What becomes of transmissions where the model has no plugin that reads them.
