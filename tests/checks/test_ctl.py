@@ -929,3 +929,34 @@ def test_a_name_that_differs_in_marks_and_case_only_is_that_of_the_joint(
     (finding,) = check_text(tmp_path, robot(parts), codes={"CTL001"}).findings
     assert finding.fix is not None
     assert finding.fix.title.startswith(repair)
+
+
+def make_interface(name: str, sim: str) -> str:
+    plugin = (
+        CLASSIC.replace("/></gazebo>", f"><robotSimType>{sim}</robotSimType></plugin></gazebo>") if sim else CLASSIC
+    )
+    return f'<transmission name="t">{TYPE}<joint name="left_wheel">{interface(name)}</joint></transmission>{plugin}'
+
+
+@pytest.mark.parametrize(
+    ("sim", "name", "message", "severity", "edits"),
+    [
+        ("", "EffortJointInterfce", "interface-unknown", "error", ["hardware_interface/EffortJointInterface"]),
+        (
+            *("gazebo_ros_control/DefaultRobotHWSim", "EffortJointInterfce", "interface-unknown", "error"),
+            ["hardware_interface/EffortJointInterface"],
+        ),
+        ("arm_gazebo/ArmHWSim", "hardware_interface/PosVelEffJointInterface", "interface-own", "info", []),
+        # What the default class does not take is no repair.
+        ("", "hardware_interface/PosVelEffJointInterface", "interface-unknown", "error", []),
+    ],
+)
+def test_the_class_that_simulates_the_hardware_decides_which_interfaces_there_are(
+    tmp_path: Path, sim: str, name: str, message: str, severity: str, edits: list[str]
+) -> None:
+    (finding,) = check_text(tmp_path, make_cart(make_interface(name, sim)), codes={"CTL003"}).findings
+    assert (finding.message_id, str(finding.severity)) == (message, severity)
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == edits
+    assert ("ArmHWSim" in finding.message) == (message == "interface-own")
+    assert ("No matching" in finding.consequences["gazebo"]) == (message == "interface-unknown")

@@ -1110,3 +1110,20 @@ def test_a_model_without_any_mass_has_none_to_lose(tmp_path: Path, mass: str, se
     joint = '<joint name="j" type="continuous"><parent link="base"/><child link="x"/><axis xyz="1 0 0"/></joint>'
     (finding,) = check_text(tmp_path, f'<robot name="r">{links}{joint}</robot>', codes={"KIN010"}).findings
     assert (finding.message_id, finding.severity) == ("vanishes", severity)
+
+
+@pytest.mark.parametrize("is_joined", [True, False])
+def test_links_that_an_including_file_joins_are_loaded_with_it(tmp_path: Path, is_joined: bool) -> None:
+    text = robot(link("base"), link("arm"))
+    joined = '<joint name="j" type="fixed"><parent link="base"/><child link="${of}"/></joint>'
+    call = '<xacro:m of="arm"/>' if is_joined else ""
+    whole = (
+        '<robot name="whole" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:include filename="r.urdf"/>'
+        f'<xacro:macro name="m" params="of">{joined}</xacro:macro>{call}</robot>'
+    )
+    (tmp_path / "whole.urdf.xacro").write_text(whole)
+    (finding,) = check_text(tmp_path, text, codes={"KIN005"}, name="r.urdf").findings
+    assert finding.severity is Severity.ERROR
+    assert finding.fix is not None
+    assert ("whole.urdf.xacro: it includes this file" in finding.fix.title) == is_joined
+    assert ("add the joints" in finding.fix.title) != is_joined

@@ -1653,3 +1653,25 @@ def test_a_command_of_many_substitutions_is_searched_in_no_time(tmp_path: Path) 
     node = f'<node pkg="a" type="b" name="x" args="{command}"/>'
     (finding,) = find_in_package(tmp_path, node + load("$(find car)/urdf/made.urdf"), "LCH001")
     assert finding.message_id == "file"
+
+
+@pytest.mark.parametrize("reader", ["README.md", "launch/all.launch", ""])
+def test_what_the_exporter_writes_matters_where_a_file_names_its_launch_file(tmp_path: Path, reader: str) -> None:
+    nodes = (
+        '<node name="tf_footprint_base" pkg="tf" type="static_transform_publisher" '
+        'args="0 0 0 0 0 0 base_link base_footprint 40"/>'
+        '<node name="fake" pkg="rostopic" type="rostopic" args="pub /calibrated std_msgs/Bool true"/>'
+    )
+    files = {
+        "package.xml": '<package format="2"><name>car</name></package>',
+        "launch/gazebo.launch": f"<launch>{nodes}</launch>",
+        "launch/other_gazebo.launch": "<launch/>",
+    }
+    started = '<launch><include file="$(find car)/launch/gazebo.launch"/></launch>'
+    for name, text in (files | ({reader: started} if reader else {})).items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    found = check(tmp_path / "launch/gazebo.launch", codes={"LCH005", "LCH007"}).findings
+    kinds = {"footprint-unused", "calibration"} if reader else {"footprint-idle", "calibration-idle"}
+    assert {f.message_id for f in found} == kinds
+    assert all(f.severity is Severity.INFO for f in found)

@@ -534,6 +534,14 @@ ROBOT = '<robot name="r"><link name="base"/></robot>'
             {"dangling": ["robot"]},
         ),
         ({"launch/a.launch": '<launch><arg default="$(find robot)"/></launch>'}, {"undeclared": ["robot"]}),
+        # So does `moveit`: neither a file nor a folder is in it.
+        (
+            {
+                "launch/a.launch": '<launch><arg name="d" default="$(find moveit)/db"/>'
+                '<include file="$(find moveit)/launch/warehouse.launch"/></launch>'
+            },
+            {"dangling": ["moveit"]},
+        ),
         ({"old/a.launch": '<launch><arg default="$(find joy)"/></launch>'}, {}),
         ({"launch/a.launch": '<launch><arg default="$(find joy)"/></launch>'}, {"undeclared": ["joy"]}),
         (
@@ -561,6 +569,33 @@ def test_what_a_package_must_declare(tmp_path: Path, files: dict[str, str], told
         write(folder, name, text=text.replace("{}", Path(name).parent.name))
     found = check(folder, codes={"PKG007"}).findings
     assert {f.message_id: f.data["names"] for f in found} == told
+
+
+@pytest.mark.parametrize(
+    ("declared", "condition", "caller", "severity"),
+    [
+        ("false", 'if="$(arg optic)"', "", Severity.INFO),
+        ("true", 'unless="$(arg optic)"', "", Severity.INFO),
+        ("true", 'if="$(arg optic)"', "", Severity.WARNING),
+        ("false", "", "", Severity.WARNING),
+        # Another launch file hands on its own default, or switches it on.
+        ("false", 'if="$(arg optic)"', "$(arg optic)", Severity.INFO),
+        ("false", 'if="$(arg optic)"', "true", Severity.WARNING),
+    ],
+)
+def test_an_unknown_package_that_the_defaults_switch_off_is_a_note(
+    tmp_path: Path, declared: str, condition: str, caller: str, severity: Severity
+) -> None:
+    arg = f'<arg name="optic" default="{declared}"/>'
+    include = f'<include {condition} file="$(find optoforce)/a.launch"/>'
+    write(tmp_path, "package.xml", text=MANIFEST.format("car"))
+    write(tmp_path, "launch/a.launch", text=f"<launch>{arg}{include}</launch>")
+    if caller:
+        handed = f'<include file="$(find car)/launch/a.launch"><arg name="optic" value="{caller}"/></include>'
+        write(tmp_path, "launch/all.launch", text=f"<launch>{arg}{handed}</launch>")
+    (finding,) = check(tmp_path, codes={"PKG007"}).findings
+    assert (finding.message_id, finding.severity) == ("unknown", severity)
+    assert ("switched off by default" in finding.message) == (severity is Severity.INFO)
 
 
 def test_a_dependency_that_is_commented_out_is_left_out_on_purpose(tmp_path: Path) -> None:

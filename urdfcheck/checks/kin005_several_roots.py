@@ -68,9 +68,19 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         others=others,
         roots=roots,
         inside="" if is_own else f" in {Path(model.source.name).name}",
-        repair=_describe_joints(roots, [len(piece) for piece in pieces])
-        + (", or delete unused links" if is_own else _describe_own_place(model)),
+        repair=_describe_repair(model, roots, [len(piece) for piece in pieces], is_own=is_own),
     )
+
+
+def _describe_repair(model: Model, roots: list[str], sizes: list[int], *, is_own: bool) -> str:
+    """Say what to do; ``is_own``: the roots are typed in the model's own file."""
+    from urdfcheck.model.likeness.whole_models import find_joining_robot  # loaded only for such a file
+
+    joining = find_joining_robot(model)
+    if joining is not None:
+        return f"load {format_path(joining)}: it includes this file and has the joints; joints added here would be doubled there"
+    joints = _describe_joints(roots, sizes)
+    return joints + (", or delete unused links" if is_own else _describe_own_place(model))
 
 
 def _find_joints_elsewhere(model: Model) -> Path | None:

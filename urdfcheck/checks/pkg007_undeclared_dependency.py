@@ -12,6 +12,7 @@ from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
+from urdfcheck.source.launch.around.passing_files import is_off_by_default
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -58,8 +59,14 @@ _MODEL_SUFFIX = "_description"
 _STARTER_SUFFIXES = ("_bringup", "_control", "_gazebo", "_moveit_config", "_simulation")
 # Released packages without files: one of such a name that has a file is the author's.
 _METAPACKAGES = frozenset(
-    {"desktop", "desktop_full", "perception", "robot", "ros_base", "ros_core", "simulators", "viz"}
+    {
+        *("desktop", "desktop_full", "perception", "robot", "ros_base", "ros_core", "simulators", "viz"),
+        *("gazebo_ros_pkgs", "moveit", "navigation", "navigation2", "ros2_control", "ros2_controllers", "ros_control"),
+        *("ros_controllers", "ros_gz", "universal_robot"),
+    }
 )
+# What a package that has a build may still need.
+_BUILT = "; if a build makes the file, declare {name}: `{line}`"
 # The default of an argument in a launch file; in Python the package may be named so many lines below the word.
 _DEFAULT = re.compile(r"\bdefault(?:_value)?\s*=")
 _DEFAULT_LINES = 4
@@ -120,9 +127,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for name in _select_left_out(package, unknown):
         unknown.remove(name)
         del missing[name]
-    if unknown:
-        message = "unknown" if len(unknown) == 1 else "unknown-several"
-        yield _build_finding(package, rule, root, file, message=message, missing={n: missing.pop(n) for n in unknown})
+    unfound = {name: missing.pop(name) for name in unknown}
+    yield from _build_unknown_findings(package, rule, root, file, unfound)
     for name, (message, chain) in _find_circles(package, missing).items():
         found = {name: missing.pop(name)}
         yield _build_finding(package, rule, root, file, message=message, missing=found, chain=chain)
@@ -251,13 +257,19 @@ def _build_finding(
     message: str,
     missing: Mapping[str, Sequence[PackageMention]],
     chain: Sequence[str] = (),
+    is_off: bool = False,
 ) -> Finding:
+    """Report packages with one message. ``is_off``: launch files use them only with other arguments than their defaults."""
     runtime = "run_depend" if root.get("format", "1").strip() == "1" else "exec_depend"
     tags = {name: "test_depend" if _are_for_tests(uses, package) else runtime for name, uses in missing.items()}
     if (
         message in _MUTUAL
     ):  # the model needs what it names itself wherever it is loaded, a launch file where it is started
         missing = {name: sorted(uses, key=lambda use: _are_in_launch_files([use])) for name, uses in missing.items()}
+    if message == "dangling":  # the file that is missing, before the folder of a default
+        missing = {
+            name: sorted(uses, key=lambda use: not _PLAIN_FILE.search(use.subpath)) for name, uses in missing.items()
+        }
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
@@ -266,7 +278,7 @@ def _build_finding(
     )
     # Where ROS has released this package, its users do without what only its author has.
     is_spare = package.name in read_released_packages() or set(tags.values()) == {"test_depend"}
-    is_note |= message in _UNKNOWN and is_spare
+    is_note |= message in _UNKNOWN and (is_spare or is_off)
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
@@ -282,6 +294,10 @@ def _build_finding(
         package=package.name,
         file=PurePosixPath(uses[0].subpath.replace("\\", "/")).name,
         path=uses[0].subpath.strip("/"),
+        built=""
+        if names[0] in _METAPACKAGES
+        else _BUILT.format(line=f"<{tags[names[0]]}>{names[0]}</{tags[names[0]]}>", name=names[0]),
+        condition=", switched off by default" * is_off,
         tag=tags[names[0]],
         chain=join_names(chain, 4),
         each="it is" if len(names) == 1 else "each is",
@@ -301,6 +317,19 @@ def _build_finding(
         subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()),
         consequences=consequences,
     )
+
+
+def _build_unknown_findings(
+    package: Package, rule: Rule, root: Element, file: SourceFile, unfound: Mapping[str, list[PackageMention]]
+) -> Iterator[Finding]:
+    """Report the packages that are not found; those that launch files use only on request are a separate finding."""
+    off = {name for name, uses in unfound.items() if all(_is_off(use, package) for use in uses)}
+    for names in (unfound.keys() - off, off):
+        missing = {name: uses for name, uses in unfound.items() if name in names}
+        if missing:
+            message = "unknown" if len(missing) == 1 else "unknown-several"
+            is_off = names is off
+            yield _build_finding(package, rule, root, file, message=message, missing=missing, is_off=is_off)
 
 
 def _select_consequences(consequences: Mapping[str, str], names: Collection[str], package: Package) -> dict[str, str]:
@@ -440,6 +469,14 @@ def _is_stray(use: PackageMention, package: Package, install: InstallRules | Non
 def _are_defaults(uses: Iterable[PackageMention]) -> bool:
     """Whether all mentions are in defaults of launch arguments, which the caller may replace."""
     return all(use.location.span is not None and _is_default(use.location.span) for use in uses)
+
+
+def _is_off(use: PackageMention, package: Package) -> bool:
+    """Whether the launch file that mentions a package does so where the defaults of its arguments switch it off."""
+    place = use.location.span
+    if place is None or package.finder is None or place.file.endswith(".py") or not _are_in_launch_files([use]):
+        return False
+    return is_off_by_default(place, package.finder)
 
 
 def _are_in_launch_files(uses: Iterable[PackageMention]) -> bool:
@@ -679,10 +716,10 @@ def _leads_nowhere(use: PackageMention, package: Package) -> bool:
     """
     folder = _find_package(package, use.package)
     path = use.subpath.strip("/")
-    if package.finder is None or not _PLAIN_FILE.search(path):
+    if folder is None and use.package in _METAPACKAGES:
+        return path not in {"", "package.xml"} and ".." not in path
+    if folder is None or package.finder is None or not _PLAIN_FILE.search(path):
         return False
-    if folder is None:
-        return use.package in _METAPACKAGES
     if not package.finder.can_open(folder / "package.xml") or (folder / path).exists():
         return False
     other = load_package(folder)

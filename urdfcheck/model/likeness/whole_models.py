@@ -34,6 +34,8 @@ _DEFINED_COLOUR = re.compile(
 )
 # Limits on files of a repository that are compared, on folders that are searched, and on the size of a file.
 _MOST_FILES, _MOST_FOLDERS, _LARGEST = 400, 5_000, 1_000_000
+# So many robots that include a file are expanded.
+_MOST_EXPANDED = 4
 
 
 def find_whole_model(model: Model, links: AbstractSet[str]) -> Path | None:
@@ -69,6 +71,21 @@ def find_including_robot(model: Model, link: str) -> Path | None:
 def list_including_robots(model: Model) -> list[Path]:
     """List the robot files in reach that include this one, themselves or by way of others."""
     return [path for path, _ in _iter_including_robots(model)]
+
+
+def find_joining_robot(model: Model) -> Path | None:
+    """Return the robot file in reach that includes this one and makes one piece of all its links, or None."""
+    from urdfcheck.source.xacro.expand import expand_xacro  # loaded only for such a file
+
+    for path in list_including_robots(model)[:_MOST_EXPANDED]:
+        root = expand_xacro(path, {}, model.source.finder, extra_environment=model.source.environment).root
+        if root is None:
+            continue
+        links = {e.get("name") for e in root.find_children("link")}
+        ends = (end for joint in root.find_children("joint") for end in joint.find_children("child"))
+        if links.issuperset(model.link_by_name) and len(links.difference(end.get("link") for end in ends)) == 1:
+            return path
+    return None
 
 
 def _iter_including_robots(model: Model) -> Iterator[tuple[Path, list[Element]]]:

@@ -24,7 +24,9 @@ _STARTING = (
 def is_started_in_project(launch: Launch) -> bool:
     """Whether another file of the project names this launch file, or one of its name, as far as that is known."""
     own, named = os.path.realpath(launch.path), compile_names((launch.path.name,))
-    return any_file_names(launch, _STARTING, lambda path, text: named.search(text) is not None and os.path.realpath(path) != own)
+    return any_file_names(
+        launch, _STARTING, lambda path, text: named.search(text) is not None and os.path.realpath(path) != own
+    )
 
 
 def any_file_names(launch: Launch, suffixes: tuple[str, ...], is_named: Callable[[Path, str], bool]) -> bool:

@@ -10,8 +10,9 @@ from collections.abc import Iterator, Mapping
 from functools import lru_cache
 from pathlib import Path
 
+from urdfcheck.core import Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.launch.launch_file import DescriptionSource, Launch
+from urdfcheck.source.launch.launch_file import DescriptionSource, Launch, LaunchScope, load_launch
 from urdfcheck.source.launch.model_launches import find_model_launches
 from urdfcheck.source.launch.passed_arguments import iter_launch_files
 from urdfcheck.source.launch.substitutions import may_become
@@ -59,6 +60,29 @@ def find_passing_files(launch: Launch, argument: str) -> list[Path]:
     computed there."""
     including = _read_includes(find_project_folder(launch.path), launch.finder)
     return [path for path, file in including.items() if any(argument in i.passed for i in _list_includes(file, launch))]
+
+
+def is_off_by_default(place: Span, finder: PackageFinder) -> bool:
+    """Whether the defaults of a launch file of ROS 1 switch off the element at this place, and so does each launch file of the
+    project that passes it an argument."""
+    launch = load_launch(Path(place.file), finder)
+    if launch.scope is None or launch.dialect != "ros1" or not _is_off(launch.scope, place):
+        return False
+    own = os.path.realpath(launch.path)
+    callers = {path for argument in launch.arguments for path in find_passing_files(launch, argument.get("name"))}
+    scopes = (scope for path in callers for scope in load_launch(path, finder).scopes.values())
+    return all(_is_off(scope, place) for scope in scopes if os.path.realpath(scope.resolver.path) == own)
+
+
+def _is_off(scope: LaunchScope, place: Span) -> bool:
+    around = (
+        element
+        for element in scope.root.walk()
+        for attribute in element.attributes.values()
+        if attribute.span is not None and attribute.span.start <= place.start < attribute.span.end
+    )
+    element = next(around, None)
+    return element is not None and not scope.resolver.is_active(element)
 
 
 def find_overriding_launch(model: Path, argument: str, value: str, finder: PackageFinder) -> Path | None:
