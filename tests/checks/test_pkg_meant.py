@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 from builders import box, collision, link, mesh, robot, visual
-from conftest import check
+from conftest import check, command
 
 from urdfcheck.core import Finding, Severity
 
@@ -322,3 +323,12 @@ def test_a_xacro_that_only_a_remark_of_a_script_names_is_left_aside(tmp_path: Pa
     write(tmp_path, "p/patches/library.urdf.xacro", text=include("ur_description", "urdf/common.xacro"))
     (finding,) = check(tmp_path / "p/patches/library.urdf.xacro", codes={"PKG001"}).findings
     assert finding.message_id == message
+
+
+@pytest.mark.parametrize(("file", "is_reported"), [("größe.stl", False), ("my base.stl", True)])
+def test_letters_of_a_file_that_is_found_are_told_on_request(tmp_path: Path, file: str, is_reported: bool) -> None:
+    write(tmp_path, f"meshes/{file}")
+    write_model(tmp_path / "r.urdf", f"meshes/{file}")
+    for options, expected in (((), is_reported), (("-v",), True)):
+        report = json.loads(command("r.urdf", "--format", "json", *options, cwd=tmp_path).stdout)
+        assert ("PKG011" in {finding["code"] for finding in report["findings"]}) is expected
