@@ -32,6 +32,7 @@ from urdfcheck.facts.mesh.topology import (
     find_face_origins,
     find_points_near_rim,
     find_repeated_faces,
+    find_unpaired_edges,
     label_bodies,
     label_components,
     measure_gap_width,
@@ -64,6 +65,9 @@ __all__ = [
 _NOISE = (1e-9, 6e-8, 1e-6, 5e-6)
 # Points processed at a time: what is computed of them stays in the processor's cache.
 _BLOCK = 4096
+# Holes are filled where there are at most so many open edges, and the volume between what may fill them is at most this share of
+# the solid (both chosen).
+_MOST_OPEN_EDGES, _FILLED = 500, 0.01
 # Single precision ends at 3.4028e38: programs that load meshes in it read anything beyond as infinite.
 _INFINITE = 3.4e38
 
@@ -287,6 +291,29 @@ class MeshFacts:
     def hull_moments(self) -> MeshMoments:
         """Integrals over the hull."""
         return compute_mesh_moments(self.hull.vertices, self.hull.faces)
+
+    @cached_property
+    def filled_moments(self) -> MeshMoments | None:
+        """Integrals over an open mesh of which each hole is filled by a fan of triangles about its middle; None where another
+        filling may change the volume by more than `_FILLED`.
+
+        Between two fillings, each of at most the area of the fan, is at most the volume of the ball with the surface of both (the
+        isoperimetric inequality; Osserman, *The isoperimetric inequality*, 1978)."""
+        if self.closed or self.open_edges > _MOST_OPEN_EDGES:
+            return None
+        edges = find_unpaired_edges(self.faces, self._edges)
+        if not len(edges):
+            return None
+        holes = label_components(edges, self.n_vertices)  # of each edge
+        ends, counts = self.vertices[edges], np.bincount(holes)
+        middles = np.column_stack([np.bincount(holes, weights=column) for column in ends.mean(axis=1).T]) / counts[:, None]
+        first, second = (ends[:, i] - middles[holes] for i in (0, 1))
+        areas = np.bincount(holes, weights=np.linalg.norm(np.cross(first, second), axis=1) / 2.0)
+        between = float(((2.0 * areas) ** 1.5).sum()) / (6.0 * np.pi**0.5)
+        if not between <= _FILLED * abs(self.volume):
+            return None
+        fans = np.column_stack([edges[:, ::-1], self.n_vertices + holes])
+        return compute_mesh_moments(np.concatenate([self.vertices, middles]), np.concatenate([self.faces, fans]))
 
     def compute_reach(self, directions: Array) -> Array:
         """Compute how far the mesh reaches (n,) from the origin in each direction (n, 3); exact, also where the hull is not."""

@@ -517,6 +517,21 @@ def label_bodies(faces: Indices, n_vertices: int) -> Indices:
     return labels.astype(np.int64)
 
 
+def find_unpaired_edges(faces: Indices, edges: Edges) -> Indices:
+    """Find the edges (n, 2) that faces have more often in one direction than in the other, in that direction, as often as they
+    have it more often. They are the boundary of the surface: as many begin in each vertex as end there."""
+    odd = np.unique(np.concatenate([edges.open, edges.non_manifold, edges.flipped]))
+    half_edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    half_edges = half_edges[np.isin(half_edges, odd).all(axis=1)]
+    ordered = np.sort(half_edges, axis=1)
+    unique, which = np.unique(ordered, axis=0, return_inverse=True)
+    signs = np.where(half_edges[:, 0] == ordered[:, 0], 1, -1)
+    surplus = np.rint(np.bincount(which.ravel(), weights=signs, minlength=len(unique))).astype(np.int64)
+    directed = np.where(surplus[:, None] > 0, unique, unique[:, ::-1])
+    unpaired: Indices = np.repeat(directed, np.abs(surplus), axis=0)
+    return unpaired
+
+
 def find_boundaries(vertices: Array, open_edges: Indices) -> tuple[Boundary, ...]:
     """Find the boundaries (longest first) that the edges (n, 2) of one face form."""
     boundaries = [_build_boundary(vertices, path, closed) for path, closed in _iter_boundary_paths(open_edges.tolist())]

@@ -273,6 +273,8 @@ def _measure_shape(model: Model, shape: Shape, *, apply_unit: bool, apply_up_axi
         hull = transform_solid(_scale_solid(integrals, scale), turn, place)
     closed = facts.closed and bool(np.isfinite(facts.com).all()) and not facts.has_mixed_orientation
     solid = compute_mesh_solid(facts, scale.tolist(), rotation=turn, translation=place) if closed else hull
+    if not closed and (filled := facts.filled_moments) is not None and not facts.has_mixed_orientation:
+        solid, closed = transform_solid(_scale_solid(filled, scale), turn, place), True
     return VisualGeometry(
         solid=solid,
         closed=closed or hull.volume == 0.0,  # flat drawings have no volume to be wrong about
