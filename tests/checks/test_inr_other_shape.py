@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import arm_on_base, box, collision, cylinder, find, inertial, mesh, visual
-from castings import CASTING, drawn_boxes, format_inertial, geometry, uniform, write_stl
+from castings import CASTING, drawn_boxes, format_inertial, geometry, open_widely, uniform, write_stl
 
 from urdfcheck.facts.inertials.diagnosis import diagnose_inertial
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia, make_cylinder_solid
@@ -86,8 +86,7 @@ def test_a_tensor_at_the_default_density_is_scaled_and_the_mass_kept(tmp_path: P
 @pytest.mark.parametrize(("aside", "written"), [(0.0, True), (0.3, False)])
 def test_the_tensor_of_a_hull_about_another_point_is_not_proposed(tmp_path: Path, aside: float, written: bool) -> None:
     write_stl(tmp_path / "part.stl", CASTING)
-    text = (tmp_path / "part.stl").read_text(encoding="ascii")
-    (tmp_path / "part.stl").write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+    open_widely(tmp_path / "part.stl")
     hull = geometry(CASTING).hull
     assert hull is not None
     true = uniform(hull, 0.6)
@@ -101,9 +100,8 @@ def test_the_tensor_of_a_hull_about_another_point_is_not_proposed(tmp_path: Path
 def test_the_hull_of_an_open_mesh_is_named_where_its_com_is_given(tmp_path: Path, is_open: bool) -> None:
     """A COM was left at zero: that of the hull is not that of the part, and moments beside it would be those of the hull."""
     write_stl(tmp_path / "part.stl", CASTING)
-    text = (tmp_path / "part.stl").read_text(encoding="ascii")
     if is_open:
-        (tmp_path / "part.stl").write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+        open_widely(tmp_path / "part.stl")
     drawn = geometry(CASTING)
     solid = drawn.hull if is_open else drawn.solid
     assert solid is not None

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import arm_on_base, box, collision, find, joint, link, mesh, robot, visual
-from castings import CASTING, PLASTIC, Block, drawn_boxes, format_inertial, geometry, pieces, uniform, write_stl
+from castings import CASTING, PLASTIC, Block, drawn_boxes, format_inertial, geometry, open_widely, pieces, uniform, write_stl
 
 from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
@@ -108,11 +108,10 @@ def test_products_that_fit_keep_their_signs(tmp_path: Path, sign: float, advised
 
 
 def test_the_products_of_a_hull_do_not_show_signs(tmp_path: Path) -> None:
-    """The mesh lacks a facet, so that the products of the part are not known."""
+    """The mesh lacks facets, so that the products of the part are not known."""
     blocks = [(size, np.add(place, (0.2, 0.0, 0.0))) for size, place in CASTING]
     write_stl(tmp_path / "part.stl", blocks)
-    text = (tmp_path / "part.stl").read_text(encoding="ascii")
-    (tmp_path / "part.stl").write_text(text[: text.rindex("facet normal")] + "endsolid part\n", encoding="ascii")
+    open_widely(tmp_path / "part.stl")
     true = uniform(geometry(blocks).solid)
     numbers = replace(true, com=true.com * (-1.0, 1.0, 1.0))
     numbers.tensor[0, 1:] *= -1.0

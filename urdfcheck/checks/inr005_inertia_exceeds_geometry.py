@@ -28,7 +28,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
     compute_solid_inertia,
     list_half_units,
 )
-from urdfcheck.facts.inertials.materials import LIGHTEST, describe_density, is_part_density
+from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST, describe_density, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
@@ -49,6 +49,7 @@ from urdfcheck.model.inertials.proposals.com_places import has_com_apart
 from urdfcheck.model.inertials.proposals.drawn_inertials import (
     compute_drawn_tensor,
     describe_drawn_inertial,
+    draws_part,
     format_comparison,
     lacks_only_com,
 )
@@ -180,9 +181,17 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
 
 
 def _lacks_only_drawing(model: Model, part: EnclosedInertial, advice: _Advice, excess: float) -> bool:
-    """Whether nothing but the drawing is known to be wrong: it stands for less than the part, whose numbers are from CAD."""
+    """Whether nothing but the drawing is known to be wrong: it stands for less than the part, whose numbers are from CAD, or
+    which would be denser than lead."""
     is_unexplained = not advice.remedy and not advice.explained
-    return excess**0.5 < _BEYOND_SIMPLIFIED and is_unexplained and is_simplified(model, part)
+    is_less = is_simplified(model, part) or _is_too_dense(model, part)
+    return excess**0.5 < _BEYOND_SIMPLIFIED and is_unexplained and is_less
+
+
+def _is_too_dense(model: Model, part: EnclosedInertial) -> bool:
+    """Whether a link draws a solid too small for its mass, whatever ordinary material it is of."""
+    drawn = measure_link_geometry(model, part.link)
+    return drawn is not None and drawn.closed and part.mass > DENSEST_PART * drawn.solid.volume
 
 
 def _has_other_unit(model: Model, link: str, unit: str) -> bool:
@@ -247,16 +256,19 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
         mistake = describe_mistake(diagnosed.diagnosis.cause or "", diagnosed.diagnosis.detail)
         explained = f". It fits one mistake: {mistake}"
         return _Advice(undo, f"write {undo.words} if that is the mistake, or ", explained=explained)
-    is_known = has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1
+    is_known = (
+        has_drawn_shape(part.link) and part.is_drawn and len(part.readings) == 1 and not _is_too_dense(model, part)
+    )
     is_com_wrong = has_com_apart(model, part.link) and not has_com_of_twin(model, part.link)
     drawn = describe_drawn_inertial(model, part.link, with_com=is_com_wrong) if is_known else ""
     unknown = _Advice(remedy=_LONE_FRAME if _is_lone_frame(part) else "", comparison=format_comparison(drawn))
+    known = _Advice(remedy=f"write {drawn}, or ") if drawn and draws_part(model, part.link) else unknown
     if (like_others := _advise_undo_of_others(model, part, declared, ratio=ratio)) is not None:
         return like_others
     if part.link.name in (about_root := find_root_tensors(model)):
         root = f"the origin of {model.tree.root}, the root link"
         explained = f". Of {len(about_root)} links the tensor is the drawn part's about {root}, not about the COM"
-        return _Advice(remedy=f"write {drawn}, or " if drawn else "", explained=explained)
+        return replace(known, explained=explained)
     if excess >= VAST and (unit := _guess_unit(model, part, ratio)) is not None:
         name, factor = unit
         tensor = [
@@ -265,7 +277,7 @@ def _advise(model: Model, part: EnclosedInertial, declared: DeclaredTensor, *, r
         fits = f". The same numbers fit the drawn part in {name}"
         return _Advice(remedy=f"write {' '.join(tensor)} if they are in {name}, or ", explained=fits)
     if is_known and lacks_only_com(model, part.link):
-        return _Advice(remedy=f"write {drawn}, or " if drawn else "", explained=_LACKS_COM)
+        return replace(known, explained=_LACKS_COM)
     return replace(unknown, explained=_describe_missing_com(model, part.link))
 
 

@@ -15,7 +15,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import join_names
 from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
-from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST
+from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
 from urdfcheck.model.inertials.habits.minor_findings import are_absorbed, is_lost, set_lost_aside
@@ -33,7 +33,7 @@ from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
     measure_role_geometry,
 )
-from urdfcheck.model.stated_reasons import has_commented_child
+from urdfcheck.model.stated_reasons import has_commented_child, is_called_empty
 from urdfcheck.model.use.display import (
     is_drawn_alone,
     is_loaded_for_frames,
@@ -64,6 +64,8 @@ _OF_STAND = 100.0
 # A link of at most this mass in kg that nothing is fixed to is the marker of a point. So small a moment in kg m² was chosen for
 # it: it keeps an engine stable, and the rotor of the smallest drive has more.
 _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
+# Where the number is not found to be that of another mass; numbers are equal to within this share (digits of a float and facets).
+_TYPED, _EQUAL = "typed rather than computed", 1e-4
 # What Gazebo and MuJoCo do with a moment that is too large, and with one that is too small.
 _TOO_LARGE = {"gazebo": "too much inertia makes a joint sluggish", "mujoco": "loads it"}
 _TOO_LARGE_BASE = {"gazebo": "too much inertia makes the robot tilt and turn sluggishly", "mujoco": "loads it"}
@@ -280,6 +282,7 @@ def _build_tensor_finding(
     data: dict[str, Any] = {
         "links": join_names(names),
         "what": every[0].description,
+        "written": _TYPED,
         "names": names,
         "others": _describe_others(model, every[0].declared, names),
         "who": f"{names[0]} has" if len(names) == 1 else f"{len(names)} links have",
@@ -309,6 +312,7 @@ def _build_tensor_finding(
             "placeholder": is_felt,
         }
         message = next((kind for kind, fits in kinds.items() if fits), "rod")
+        data["written"] = _describe_origin(model, worst)
         finding = rule.finding(
             message,
             at=places[0],
@@ -335,6 +339,24 @@ def _build_tensor_finding(
     return replace(finding, subjects=tuple(dict.fromkeys(place.location.subject for place in places)))
 
 
+def _describe_origin(model: Model, suspect: _PlaceholderInertial) -> str:
+    """Say that a tensor is that of what the link draws at another mass, of one or two digits, where it is: it was computed for
+    that one, and copied. Else that it was typed."""
+    moments, drawn = suspect.declared.components, measure_link_geometry(model, suspect.declared.link)
+    if drawn is None or len(set(moments)) > 2:  # zero, and one for all
+        return _TYPED
+    unit = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, 1.0))
+    mass = max(moments) / float(unit[-1]) if unit[0] > 0.0 else 0.0
+    short = float(f"{mass:.1e}")
+    if (
+        unit[-1] > (1.0 + _EQUAL) * unit[0]
+        or abs(mass - short) > _EQUAL * mass
+        or not is_part_density(mass / drawn.solid.volume)
+    ):
+        return _TYPED
+    return f"that of {short:g} kg with the shape of {suspect.declared.link.name}"
+
+
 def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str]) -> str:
     """Say how many links besides those of these ``names`` have the numbers of a placeholder: little depends on them there, and a
     repair means them too."""
@@ -352,7 +374,10 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     displayed; None: as the page says."""
     if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
         return Severity.INFO
-    if not any(_is_vast(model, suspect) for suspect in known) or is_drawn_alone(model):
+    is_vast = any(
+        _is_vast(model, suspect) and not is_called_empty(model, suspect.declared.inertial.element) for suspect in known
+    )
+    if not is_vast or is_drawn_alone(model):
         return None
     if all(_has_commented_inertial(model, suspect) for suspect in known):
         return None  # it was put in place of the part's own

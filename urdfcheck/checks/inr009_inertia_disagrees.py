@@ -21,6 +21,7 @@ from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
 from urdfcheck.model.inertials.diagnosis_words import (
+    FROM_DRAWING,
     MILD_CAUSES,
     NOTABLE,
     SHORT_CAUSES,
@@ -58,7 +59,7 @@ from urdfcheck.model.inertials.inertial_effects import (
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.inertials.mirrored_inertials import find_contradicted_links
 from urdfcheck.model.inertials.proposals.com_places import has_com_of_shell
-from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, format_comparison
+from urdfcheck.model.inertials.proposals.drawn_inertials import describe_drawn_inertial, draws_part, format_comparison
 from urdfcheck.model.inertials.proposals.mistake_names import name_mistake
 from urdfcheck.model.inertials.proposals.rival_formulas import has_rival_formula, has_round_solid
 from urdfcheck.model.inertials.proposals.undone_mistakes import LARGEST_SOUND_MISMATCH, propose_undo
@@ -482,7 +483,6 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         edits=tuple(edits.values()),
         severity=Severity.ERROR if has_vast else Severity.INFO if is_mild else None,
         links=join_names(link.name for link in links),
-        first=links[0].name,
         count=len(links),
         known=len(diagnoses),
         faulty=f"{'wrong' if has_proof else 'suspect'} {name_faulty_numbers(cause, detail)}",
@@ -492,7 +492,7 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         before=float(f"{_compute_median_mismatch(judged, is_mended=False):.2g}"),
         after=float(f"{_compute_median_mismatch(judged, is_mended=True):.2g}"),
         better=describe_median_agreement(model, links),
-        edit="" if repairs[0] is None else _spell_repair(repairs[0], has_edits=bool(edits)),
+        example=_describe_example(model, links, repairs, cause, has_edits=bool(edits)),
         unseen=f". {format_count(unseen, *_UNSEEN)} not show it"
         if unseen
         else f". {format_count(others, *_MISFITS)} either"
@@ -500,6 +500,20 @@ def _build_habit_finding(model: Model, rule: Rule, links: Sequence[Link]) -> Fin
         else "",
         each="" if unseen or others else f", or correct each of the {len(links)} links",
     )
+
+
+def _describe_example(
+    model: Model, links: Sequence[Link], repairs: Sequence[InertialRepair | None], cause: str, *, has_edits: bool
+) -> str:
+    """Say what to write for one of several links, by the part itself where the numbers are those of what it draws: those of the
+    hull of an open mesh are only near them."""
+    known = [(link, repair) for link, repair in zip(links, repairs, strict=True) if repair is not None]
+    exact = [pair for pair in known if cause not in FROM_DRAWING or draws_part(model, pair[0])]
+    for link, repair in exact[:1]:
+        return f"; {link.name}: write {_spell_repair(repair, has_edits=has_edits)}"
+    for link, repair in known[:1]:
+        return f"; for comparison: {link.name} {repair.words} ({describe_geometry_source(model, link)})"
+    return ""
 
 
 def _count_unseen_links(model: Model, links: Sequence[Link]) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 
+from urdfcheck.core.text import split_name_words
 from urdfcheck.model.fact import fact
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.robot import Model
@@ -46,6 +47,9 @@ _REASON = re.compile(
 # What a comment above a macro or a property is about, where it gives the reason for masses and inertias.
 _ABOUT_DYNAMICS = re.compile(r"inerti|\bmass|\bheav|\blight|simulat|gazebo|physic|unstab|instab|stabili", re.IGNORECASE)
 _MACRO_BEFORE = re.compile(r"<(?:\w+:)?macro\b")
+# Words in the name of a macro that say that what it makes stands for no part.
+_EMPTY = frozenset({"empty", "null", "blank", "virtual", "massless", "negligible", "tiny", "epsilon", "eps"})
+_CALL = re.compile(r"<(?:\w+:)?([\w.-]+)")
 # A comment about several macros.
 _MACROS = re.compile(r"\bmacros\b", re.IGNORECASE)
 _MACRO_END = re.compile(r"</(?:\w+:)?macro\s*>")
@@ -125,6 +129,18 @@ def has_reason_above_macro(model: Model, element: Element) -> bool:
         return True
     above = _find_comment_before(file.text, starts[0])
     return _MACROS.search(above) is not None and _gives_reason_for_dynamics(above)
+
+
+def is_called_empty(model: Model, element: Element) -> bool:
+    """Whether the name of a macro that makes an element says that it stands for no part: ``empty_inertial``."""
+    calls = [
+        _CALL.match(file.text, span.start)
+        for span in element.via
+        if (file := model.source.files.get(span.file)) is not None
+    ]
+    return any(
+        not _EMPTY.isdisjoint(word.lower() for word in split_name_words(call[1])) for call in calls if call is not None
+    )
 
 
 def has_reason_at_definition(model: Model, definition: Definition) -> bool:

@@ -42,6 +42,8 @@ _COARSE = frozenset(
 )
 # A tensor about the link's origin, which may exceed what fits into the hull.
 _OF_ORIGIN = frozenset({"about_origin", "positive_notation"})
+# What most links of a file have in common, and hulls alone may show.
+SHOWN_BY_HULLS = _COARSE | _OF_ORIGIN | {"decimal_point"}
 # Mistakes of place and direction: undoing one gives the tensor of the part itself, or another mistake is there. A unit changes
 # a tensor by powers of ten, which whatever the part holds besides leaves visible.
 _OF_PLACE = frozenset({"steiner_missing", "steiner_twice", "quarter_turn", "axes_permuted", "rpy_missing", "rpy_twice"})

@@ -306,7 +306,9 @@ class MeshFacts:
             return None
         holes = label_components(edges, self.n_vertices)  # of each edge
         ends, counts = self.vertices[edges], np.bincount(holes)
-        middles = np.column_stack([np.bincount(holes, weights=column) for column in ends.mean(axis=1).T]) / counts[:, None]
+        middles = (
+            np.column_stack([np.bincount(holes, weights=column) for column in ends.mean(axis=1).T]) / counts[:, None]
+        )
         first, second = (ends[:, i] - middles[holes] for i in (0, 1))
         areas = np.bincount(holes, weights=np.linalg.norm(np.cross(first, second), axis=1) / 2.0)
         between = float(((2.0 * areas) ** 1.5).sum()) / (6.0 * np.pi**0.5)

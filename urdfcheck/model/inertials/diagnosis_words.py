@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 # such causes are worth knowing and rarely harmful. So is rounding, which leaves a possible tensor here.
 MILD_CAUSES = APPROXIMATIONS | {"rounded"}
 # Causes after which the numbers come from the drawn part, so that they agree with it by construction.
-_FROM_DRAWING = MILD_CAUSES | {"own_missing", "com_missing"}
+FROM_DRAWING = MILD_CAUSES | {"own_missing", "com_missing"}
 # What agrees where the pieces of a part were taken for points.
 _POINTLIKE = "the tensor is the drawn part's: what is written is the parallel-axis terms of its bodies, to within 5 %"
 # What typed digits and tessellation leave of equal numbers.
@@ -296,7 +296,7 @@ def _describe_agreement(judged: DiagnosedInertial, drawn: VisualGeometry | None)
     if mended is None or drawn is None:
         return "the two agree better"
     left = []
-    is_own = diagnosis.cause not in _FROM_DRAWING
+    is_own = diagnosis.cause not in FROM_DRAWING
     if is_own and diagnosis.mended_com_mismatch < diagnosis.com_mismatch - DIGITS:
         apart = format_length(float(np.linalg.norm(mended.com - drawn.solid.com)))
         left.append("the COM agrees" if diagnosis.mended_com_mismatch < DIGITS else f"the COM is {apart} off")

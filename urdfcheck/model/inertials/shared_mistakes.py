@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from urdfcheck.core.text import join_names
-from urdfcheck.facts.inertials.certainty import FAR
+from urdfcheck.facts.inertials.certainty import FAR, SHOWN_BY_HULLS
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import Link, Model
@@ -95,10 +95,21 @@ def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
     if diagnosis.unique:
         return True
     drawn, mended = measure_link_geometry(model, link), diagnosis.mended
+    if diagnosis.cause not in SHOWN_BY_HULLS and not _fits_closed_mesh(model, diagnosis.cause):
+        return False
     left = 0.0 if drawn is None or mended is None else measure_difference(mended, drawn)
     if diagnosis.cause not in UNIT_CAUSES and left > LUMPED:
         return False
     return measure_mismatch(diagnosis, is_mended=True) < 0.5 * measure_mismatch(diagnosis, is_mended=False)
+
+
+@fact
+def _fits_closed_mesh(model: Model, cause: str | None) -> bool:
+    """Whether the mistake that the links of a file have in common shows in one of them by a closed mesh: the hulls of open ones
+    are not the parts, and another mistake may fit what they draw."""
+    alike = [name for name, one in inertial_diagnoses(model).items() if one.is_habit and one.diagnosis.cause == cause]
+    measured = (measure_link_geometry(model, model.link_by_name[name]) for name in alike)
+    return any(drawn is not None and drawn.closed for drawn in measured)
 
 
 def shows_habit_alone(model: Model, link: Link, diagnosis: Diagnosis) -> bool:

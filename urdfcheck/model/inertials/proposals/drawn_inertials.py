@@ -90,7 +90,10 @@ def propose_drawn_inertial(model: Model, link: Link, message: str = "") -> Inert
     """Propose the inertia of what the link draws, in place of one that no body has: as a comparison where it may not be that of
     the part, or where both sides have one COM that is not the drawn part's, or where primitives are drawn in another place than
     the COM that was typed: they may mark where the link is, not where its mass is. Nothing where one text gives links the same
-    numbers, and the parts that they draw have others, as the two sides of a robot."""
+    numbers, and the parts that they draw have others, as the two sides of a robot; nor of a body that several links share, of
+    which no share is known."""
+    if _shares_body(model, link):
+        return InertialProposal(message=message)
     drawn = describe_possible_inertial(model, link)
     if drawn and _makes_other_parts(model, link):
         return InertialProposal(message=message)
@@ -110,6 +113,28 @@ def _makes_other_parts(model: Model, link: Link) -> bool:
         and have_one_text(own.places, link.inertial, other.inertial)
         and _format_drawn_inertial(model, other) != own.text
         for other in links_by_inertial_text(model)[link.inertial.element.span]
+    )
+
+
+def _shares_body(model: Model, link: Link) -> bool:
+    """Whether another link at the same place, which turns beside it and draws nothing, has the same mass about the same COM: the
+    body was divided among the links of a joint with several axes, and so may be its tensor."""
+    own = link.inertial
+    if own is None or own.mass is None or not own.origin.xyz or not any(own.origin.xyz):
+        return False
+    near = {
+        name
+        for one in model.joints
+        if not any(one.origin.xyz or (1.0,))
+        for name in (one.parent, one.child)
+        if link.name in (one.parent, one.child)
+    }
+    others = [other for name in near - {link.name} if (other := model.link_by_name.get(name)) is not None]
+    return any(
+        not (*other.visuals, *other.collisions)
+        and other.inertial is not None
+        and (other.inertial.mass, other.inertial.origin.xyz) == (own.mass, own.origin.xyz)
+        for other in others
     )
 
 
