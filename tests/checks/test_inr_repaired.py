@@ -8,7 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 from builders import arm_on_base, box, collision, find, joint, link, mesh, robot, visual
-from castings import CASTING, PLASTIC, Block, drawn_boxes, format_inertial, geometry, open_widely, pieces, uniform, write_stl
+from castings import (
+    CASTING,
+    PLASTIC,
+    Block,
+    drawn_boxes,
+    format_inertial,
+    geometry,
+    open_widely,
+    pieces,
+    uniform,
+    write_stl,
+)
 
 from urdfcheck.core import Finding
 from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial

@@ -92,11 +92,11 @@ def _list_invariants(declared: DeclaredInertial) -> tuple[str, ...]:
 def _shows_habit(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
     """Whether a link shows the mistake of its file: by itself, or because undoing it leaves less than half of the mismatch, and
     the tensor of such a part."""
+    if diagnosis.cause not in SHOWN_BY_HULLS and not _fits_closed_mesh(model, diagnosis.cause):
+        return False
     if diagnosis.unique:
         return True
     drawn, mended = measure_link_geometry(model, link), diagnosis.mended
-    if diagnosis.cause not in SHOWN_BY_HULLS and not _fits_closed_mesh(model, diagnosis.cause):
-        return False
     left = 0.0 if drawn is None or mended is None else measure_difference(mended, drawn)
     if diagnosis.cause not in UNIT_CAUSES and left > LUMPED:
         return False
@@ -109,7 +109,7 @@ def _fits_closed_mesh(model: Model, cause: str | None) -> bool:
     are not the parts, and another mistake may fit what they draw."""
     alike = [name for name, one in inertial_diagnoses(model).items() if one.is_habit and one.diagnosis.cause == cause]
     measured = (measure_link_geometry(model, model.link_by_name[name]) for name in alike)
-    return any(drawn is not None and drawn.closed for drawn in measured)
+    return any(drawn is None or drawn.closed for drawn in measured)
 
 
 def shows_habit_alone(model: Model, link: Link, diagnosis: Diagnosis) -> bool:
