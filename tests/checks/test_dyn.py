@@ -94,6 +94,25 @@ def test_only_poses_within_the_limits_count(tmp_path: Path) -> None:
     assert find(tmp_path, make_pendulum(4.2, range='lower="-0.5" upper="0.5"'), "DYN002")
 
 
+@pytest.mark.parametrize(
+    ("names", "kind", "severity"),
+    [
+        (("rotor1", "rotor2"), "continuous", Severity.INFO),
+        (("left_propeller", "right_propeller"), "continuous", Severity.INFO),
+        (("rotor1", "finger"), "continuous", Severity.WARNING),
+        (("rotor1", "rotor2"), "revolute", Severity.WARNING),
+    ],
+)
+def test_propellers_may_hold_the_arm_that_carries_them(
+    tmp_path: Path, names: tuple[str, ...], kind: str, severity: Severity
+) -> None:
+    arm = make_driven_joint("shoulder", "base", "arm", limit='lower="-1.6" upper="1.6" effort="1"')
+    parts = [make_body(name, 0.01) + make_driven_joint(name, "arm", name, kind=kind) for name in names]
+    text = make_robot_on_base(arm, make_body("arm", com="1 0 0"), *parts)
+    (finding,) = find(tmp_path, text, "DYN002")
+    assert (finding.message_id, finding.severity) == ("weak", severity)
+
+
 @pytest.mark.parametrize(("base", "holds"), [("0 0 1", True), ("0 0 -2.5", True), ("1.5707963 0 0", False)])
 def test_turning_the_base_about_the_vertical_changes_nothing(tmp_path: Path, base: str, holds: bool) -> None:
     """Laid down by roll, the shoulder's axis is vertical and carries nothing."""

@@ -380,7 +380,10 @@ def test_how_far_and_how_large(tmp_path: Path, collision: str, message: str | No
     assert [f.message_id for f in found] == ([message] if message else [])
 
 
-@pytest.mark.parametrize(("at", "found"), [("0 0.12 0", []), ("0 0.16 0", ["apart"]), ("0 -0.12 0", ["apart"])])
+@pytest.mark.parametrize(
+    ("at", "found"),
+    [("0 0.12 0", []), ("0 0.15 0", []), ("0 0.12 0.04", ["apart"]), ("0 0.2 0", ["apart"]), ("0 -0.12 0", ["apart"])],
+)
 def test_a_shape_about_the_next_joint_holds_what_the_next_link_draws(tmp_path: Path, at: str, found: list[str]) -> None:
     """The hips of some quadrupeds collide with a cylinder about the axis of the thigh."""
     hip = box("visual", "0.14 0.1 0.12") + geometry(
@@ -390,6 +393,17 @@ def test_a_shape_about_the_next_joint_holds_what_the_next_link_draws(tmp_path: P
     turns = joint("thigh_joint", "hip", "thigh", limit(-1, 1), kind="revolute", xyz="0 0.12 0", axis="0 1 0")
     text = robot(link("hip", hip), link("thigh", thigh), turns)
     assert [f.message_id for f in find(tmp_path, text, "GEO003")] == found
+
+
+def test_a_shape_that_strayed_along_its_own_axis_into_the_link_before_is_apart(tmp_path: Path) -> None:
+    wheel = box("visual", "0.2 0.05 0.2", "0 0.1 0") + box("collision", "0.2 0.05 0.25", "0 -0.1 0")
+    turns = joint("j", "base", "wheel", kind="continuous", xyz="0 0.3 0", axis="0 1 0")
+    text = robot(
+        link("base", box("visual", "0.5 0.5 0.3") + box("collision", "0.5 0.5 0.3")), link("wheel", wheel), turns
+    )
+    (finding,) = find(tmp_path, text, "GEO003")
+    assert finding.message_id == "apart"
+    assert "middle of the collision is 0.2 m from that of the visual" in finding.message
 
 
 def test_which_of_the_two_is_out_of_place_is_left_open(tmp_path: Path) -> None:

@@ -886,6 +886,26 @@ def test_a_usual_scale_that_converts_no_unit_is_no_repair(tmp_path: Path) -> Non
     assert [edit.replacement for edit in finding.fix.edits] == ["1 1 1"]
 
 
+@pytest.mark.parametrize(
+    ("roles", "said"),
+    [
+        (("visual",), {"rviz": "draws nothing visible"}),
+        (("collision",), {"rviz": "loads it: a collision shape, which it draws on request alone"}),
+        (("visual", "collision"), {"rviz": "draws nothing visible"}),
+    ],
+)
+def test_a_scale_on_the_collision_alone_leaves_the_drawing_whole(
+    tmp_path: Path, roles: tuple[str, ...], said: dict[str, str]
+) -> None:
+    shapes = "".join(
+        shape(role, scale="0.001 0.001 0.001" if role in roles else "1 1 1") for role in ("visual", "collision")
+    )
+    (finding,) = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.2), shapes, "", step=0.3)
+    assert finding.message_id == "small"
+    assert {name: finding.consequences[name] for name in said} == said
+    assert ("gazebo" in finding.consequences) == (roles == ("collision",))
+
+
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, limit, link, robot, visual
+from conftest import check_text
 
 from urdfcheck.core import Severity
 
@@ -145,3 +146,32 @@ def test_bullet_computes_the_inertia_of_what_collides_itself(tmp_path: Path, scr
     text = robot(link("ball", inertial(0.0013, 1), visual(shape), collision(shape)))
     (finding,) = find(tmp_path, text, "INR007", name="ball.urdf")
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(
+    ("script", "is_only"),
+    [
+        ("import pybullet as p\np.loadURDF('ball.urdf')", True),
+        ("import pybullet as p\np.loadURDF('other.urdf')", False),
+        ("import mujoco, pybullet\nload('ball.urdf')", False),
+        ("", False),
+    ],
+)
+def test_what_only_other_programs_do_is_a_note_where_bullet_alone_loads_a_model(
+    tmp_path: Path, script: str, is_only: bool
+) -> None:
+    (tmp_path / "run.py").write_text(script)
+    shape = box("0.1 0.1 0.1")
+    red = '<material name="red"><color rgba="255 0 0 1"/></material>'
+    drawn = visual(shape).replace("</visual>", f"{red}</visual>")
+    bodies = [link(name, inertial(1e-5, 1e-26), collision(shape)) for name in "bc"]
+    idle = limit(-1, 1, 0, 0)
+    joints = [joint(f"j{name}", "a", name, idle, kind="revolute", axis="0 0 1") for name in "bc"]
+    text = robot(link("a", drawn), *bodies, *joints)
+    found = check_text(tmp_path, text, name="ball.urdf", codes={"INR012", "JNT007", "XML013"}).findings
+    expected = {
+        "INR012": ("unread", Severity.INFO) if is_only else ("point", Severity.WARNING),
+        "JNT007": ("effort-unused" if is_only else "both-zero", Severity.INFO),
+        "XML013": ("scaled", Severity.INFO if is_only else Severity.WARNING),
+    }
+    assert {finding.code: (finding.message_id, finding.severity) for finding in found} == expected

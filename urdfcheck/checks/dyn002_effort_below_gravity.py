@@ -20,6 +20,7 @@ from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.inertials.inertial_hull import enclosed_inertials
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.joint_loads import Overload, find_overloads, list_carried_links
+from urdfcheck.model.motion.rotors import carries_rotors
 from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.source.text.values import parse_number, read_attribute_number
@@ -79,7 +80,9 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
             and all(_is_documented(model, one) for one in loads)
         ):
             message = "documented"
-        is_minor = afloat is not None or message == "documented" or most < rare * model.samples
+        # Only the thrust, which no file states, says what is left for the motors of an arm that propellers hold.
+        is_held = message == "weak" and all(carries_rotors(model, one.joint) for one in loads)
+        is_minor = is_held or afloat is not None or message == "documented" or most < rare * model.samples
         yield _build_overload_finding(
             model,
             rule,

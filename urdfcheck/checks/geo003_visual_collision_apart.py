@@ -235,7 +235,9 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
 
 def _holds_joint(model: Model, link: Link) -> bool:
     """Whether the collision geometry of a link is about one of its joints, where the link on the other side is drawn: the next
-    one, or the one before if that has collision geometry too."""
+    one, where a smaller shape may be anywhere along the axis, or the one before if that has collision geometry too.
+
+    Along its own axis a shape may have strayed into the link before, by a wrong sign: there it must be at the joint."""
     box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
     home = np.linalg.inv(model.frames[link.name])
     before = model.tree.parent_joint.get(link.name)
@@ -251,8 +253,14 @@ def _holds_joint(model: Model, link: Link) -> bool:
         drawn = compute_bounding_box(model, visuals)
         if not joint.is_movable or box is None or drawn is None or not _measure_diagonal(drawn):
             continue
-        distance = float(np.linalg.norm(box.mean(axis=0) - place[:3, 3]))
-        if distance <= _ABOUT * _measure_diagonal(box) and _BoxPair(drawn, box).overlap >= _OWN:
+        away = box.mean(axis=0) - place[:3, 3]
+        is_part = _ALIKE * _measure_diagonal(box) < _measure_diagonal(
+            drawn
+        )  # what is as large may be meant for that link
+        if is_part and joint is not before and joint.type != "prismatic" and joint.name in model.axes:
+            axis = home[:3, :3] @ model.axes[joint.name]
+            away = away - (away @ axis) * axis
+        if float(np.linalg.norm(away)) <= _ABOUT * _measure_diagonal(box) and _BoxPair(drawn, box).overlap >= _OWN:
             return True
     return False
 

@@ -13,6 +13,8 @@ from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_rou
 from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import Link, Model
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies, weigh_body
+from urdfcheck.model.use.other_programs import is_weighed_by_bullet
+from urdfcheck.model.use.simulators import has_elements
 
 # MuJoCo's mjMINVAL, in kg and kg m², and its error message.
 LEAST = 1e-15
@@ -57,6 +59,8 @@ def check(model: Model, rule: Rule, *, mass: float, gyration: float, condition: 
             if _is_held_mark(model, body):
                 severity, consequences = Severity.INFO, {**consequences, "gazebo": _HELD}
                 message = "held" if consequences["mujoco"] == _LOADS else message
+            elif not has_elements(model) and is_weighed_by_bullet(model):
+                severity, message = Severity.INFO, "unread"
             yield rule.finding(message, at=declared_tensor, severity=severity, consequences=consequences, **data)
         elif smallest < condition * largest:
             consequences = {} if consequences["mujoco"] == _LOADS else consequences

@@ -12,7 +12,9 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
+from urdfcheck.model.motion.rotors import is_named_rotor
 from urdfcheck.model.use.display import has_bare_joints
+from urdfcheck.model.use.other_programs import is_only_for_bullet
 from urdfcheck.model.use.simulators import is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing, list_attributes_as_children
 from urdfcheck.source.text.xml import Element
@@ -28,8 +30,6 @@ _MANY = 4
 _ENDLESS = 1000.0
 # The words of joints that springs hold.
 _PASSIVE_WORDS = frozenset({"passive", "suspension", "spring", "shock", "damper"})
-# The words of joints that turn a propeller: plugins drive them, which read no limit.
-_ROTOR_WORDS = frozenset({"rotor", "propeller", "prop", "thruster"})
 _PLANNED = {"moveit": "loads it: joint_limits.yaml has the speeds"}
 _WANTED = {
     "effort": "effort, the highest torque in N·m (force in N),",
@@ -163,11 +163,7 @@ def _drop_idle_joints(model: Model, joints: Sequence[Joint]) -> list[Joint]:
 
 def _is_named_passive(joint: Joint) -> bool:
     """Whether the name says that no drive turns the joint: a data sheet has no speed for it."""
-    return _has_word(joint, _PASSIVE_WORDS)
-
-
-def _has_word(joint: Joint, words: frozenset[str]) -> bool:
-    return not words.isdisjoint(word.lower() for word in split_name_words(joint.name))
+    return not _PASSIVE_WORDS.isdisjoint(word.lower() for word in split_name_words(joint.name))
 
 
 def _find_largest(joints: Sequence[Joint]) -> dict[str, float]:
@@ -209,8 +205,10 @@ def _check_zeros(model: Model, rule: Rule, driven: Sequence[Joint], *, chosen: A
     named = collect_plugin_texts(model) if is_empty else frozenset()
     for is_locked in (True, False):
         if alike := [joint for joint in without if (joint.name in still and _is_locked(joint)) == is_locked]:
-            # A plugin that drives the joints (rotors) reads no limit.
-            is_read = not all(joint.name in named or _has_word(joint, _ROTOR_WORDS) for joint in alike)
+            # A plugin that drives the joints (rotors) reads no limit, nor does a script that sets the force of Bullet's motors.
+            is_read = not is_only_for_bullet(model) and not all(
+                joint.name in named or is_named_rotor(joint) for joint in alike
+            )
             message = "both-zero" if is_empty and is_read else "effort-unused"
             yield _build_finding(rule, message, "effort", alike, severity=Severity.INFO)
     is_odd = any((joint.get_limit_value("velocity") or 0.0) > 0 for joint in driven)

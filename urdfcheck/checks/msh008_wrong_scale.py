@@ -20,6 +20,9 @@ from urdfcheck.model.use.other_programs import names_unitless_program
 _UNITLESS = frozenset({"drake", "isaac", "mujoco", "newton", "pinocchio", "trimesh", "yourdfpy"})
 # What MoveIt does with a mesh that is only drawn.
 _DRAWN_ONLY = {"moveit": "loads no visual mesh"}
+# What programs do with a mesh of the wrong size that is a collision shape only, and with one that is too small to be met.
+_NOT_DRAWN = {"rviz": "loads it: a collision shape, which it draws on request alone"}
+_UNTOUCHED = {"gazebo": "nothing touches the part: what collides is a speck", "moveit": "plans through the part"}
 
 
 def check(model: Model, rule: Rule, *, largest: float, ratio: float, smallest: float) -> Iterator[Finding]:
@@ -72,6 +75,7 @@ def _check_sizes(model: Model, rule: Rule, sizes: MeshSizes) -> Iterator[Finding
             at=use.filename,
             related=[other.filename for other in uses[1:]],
             # Where the whole robot has the mistake, the mesh alone would be the odd part.
+            consequences=_describe_effects_of_role(message, uses),
             edits=[]
             if message == "enlarged"
             else _propose_edits(
@@ -86,6 +90,15 @@ def _check_sizes(model: Model, rule: Rule, sizes: MeshSizes) -> Iterator[Finding
             readings=" or ".join(f"{size * unit:.2g} m in {unit_name}" for unit_name, unit in units.items()),
         )
         yield _set_all_subjects(finding, uses)
+
+
+def _describe_effects_of_role(message: str, uses: Iterable[MeshUse]) -> dict[str, str]:
+    """Return what programs do with meshes of the wrong size that are only drawn, or only collide."""
+    if not _has_collision(uses):
+        return _DRAWN_ONLY if message == "large" else {}
+    if any(use.shape in use.link.visuals for use in uses):
+        return {}
+    return {**_NOT_DRAWN, **(_UNTOUCHED if message in {"small", "twice"} else {})}
 
 
 def _propose_edits(

@@ -6,10 +6,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import replace
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_numbers
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_numbers
+from urdfcheck.model.use.other_programs import is_only_for_bullet
 from urdfcheck.source.text.grammar import iter_urdf_elements
 from urdfcheck.source.text.values import parse_numbers
 from urdfcheck.source.text.xml import Attribute
@@ -30,11 +31,14 @@ def check(model: Model, rule: Rule, *, rounding: float) -> Iterator[Finding]:
         rgba = parse_numbers(attribute.value, 4) if attribute is not None else None
         if attribute is not None and rgba is not None and not all(0 <= part <= 1 for part in rgba):
             by_colour.setdefault(rgba, []).append(attribute)
+    severity = Severity.INFO if by_colour and is_only_for_bullet(model) else None
     for rgba, attributes in by_colour.items():
-        yield _build_finding(rule, rgba, attributes, rounding=rounding)
+        yield _build_finding(rule, rgba, attributes, rounding=rounding, severity=severity)
 
 
-def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], *, rounding: float) -> Finding:
+def _build_finding(
+    rule: Rule, rgba: tuple[float, ...], attributes: list[Attribute], *, rounding: float, severity: Severity | None
+) -> Finding:
     """Report all places with the same numbers together."""
     better = _scale_to_unit_range(rgba) or _clip_rounding(rgba, rounding)
     places = {a.span: a for a in attributes if a.span is not None}
@@ -42,6 +46,7 @@ def _build_finding(rule: Rule, rgba: tuple[float, ...], attributes: list[Attribu
     finding = rule.finding(
         "scaled" if _scale_to_unit_range(rgba) else "outside",
         at=attributes[0],
+        severity=severity,
         related=[a for span, a in places.items() if span != attributes[0].span],
         edits=[edit for attribute in places.values() if text for edit in edit_numbers(attribute, text)],
         rgba=" ".join(attributes[0].value.split()),

@@ -9,6 +9,7 @@ from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
+from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.source.package.package_folders import drop_comments, read_package_texts
 
 # The packages of ros_control that read transmissions, in manifests, launch files and scripts.
@@ -20,6 +21,12 @@ _UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|p
 _BULLET = re.compile(r"pybullet")
 # What has Bullet read the inertias of a file, and other programs that read them.
 _OTHER_INERTIA = re.compile(r"URDF_USE_INERTIA_FROM_FILE|gazebo|ros_gz|mujoco|pydrake|isaac|pinocchio", re.IGNORECASE)
+# Programs other than Bullet that read URDF, and what has ROS read it; PyBullet itself has a parser of Gazebo's worlds.
+_OTHER_READER = re.compile(
+    r"gazebo(?!_world_parser)|ros_gz|gz_sim|gzserver|mujoco|drake|isaac|newton|genesis|sapien|webots|coppelia|raisim|pinocchio|crocoddyl|dartpy"
+    r"|trimesh|yourdfpy|urdfpy|urdf_parser|kdl|moveit|rviz|robot_description|robot_state_publisher",
+    re.IGNORECASE,
+)
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
 _SCAN_FILTER = re.compile(r"laser_filter|scan_filter|scan_to_scan_filter|LaserScan\w*Filter")
 # A program that adds a file to the robot that runs, as launch files name it: send_urdf_fragment.py of the arms of Rethink.
@@ -100,9 +107,23 @@ def names_bullet(model: Model) -> bool:
 def is_weighed_by_bullet(model: Model) -> bool:
     """Whether all files that name the model's own file load it into PyBullet, and none says to read the inertias of the file:
     then Bullet computes them from the collision shapes."""
-    own = compile_names((model.source.path.name,))
-    naming = [text for text in _list_texts_around(model) if own.search(text)]
+    naming = _list_naming_texts(model)
     return bool(naming) and all(_BULLET.search(text) and not _OTHER_INERTIA.search(text) for text in naming)
+
+
+def is_only_for_bullet(model: Model) -> bool:
+    """Whether a file that names the model's own file loads it into PyBullet, none of them names another program that reads URDF,
+    and the robot has no elements for one. Files that name no program may install the model, or hold its path for a script."""
+    if has_elements(model):
+        return False
+    naming = _list_naming_texts(model)
+    return any(map(_BULLET.search, naming)) and not any(map(_OTHER_READER.search, naming))
+
+
+def _list_naming_texts(model: Model) -> list[str]:
+    """List the texts around the model that name its own file."""
+    own = compile_names((model.source.path.name,))
+    return [text for text in _list_texts_around(model) if own.search(text)]
 
 
 @fact

@@ -17,7 +17,9 @@ from urdfcheck.system.files import read_regular, record_reads, remember_large_fo
 MAX_SIBLINGS = 2_000
 BUILD_FOLDERS = frozenset({"build", "install", "log"})
 # Folders of files that are kept and not used; those of raw data have what an exporter wrote, of which the robot's files are made.
-_ASIDE_FOLDERS = frozenset({"archive", "backup", "bak", "not_used", "old", "raw", "raw_data", "raw_export", "raw_exports"})
+_ASIDE_FOLDERS = frozenset(
+    {"archive", "backup", "bak", "not_used", "old", "raw", "raw_data", "raw_export", "raw_exports"}
+)
 # How longer names of such folders begin: `legacy_launch`, `old_files`.
 _ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "old", "unused"})
 # What is added to the name of a file that is kept as it was, beside the one that is used.
