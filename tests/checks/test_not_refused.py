@@ -152,6 +152,7 @@ def test_bullet_computes_the_inertia_of_what_collides_itself(tmp_path: Path, scr
     ("script", "is_only"),
     [
         ("import pybullet as p\np.loadURDF('ball.urdf')", True),
+        ("import pybullet as p\np.loadURDF('ball.urdf')\nimport pinocchio", False),
         ("import pybullet as p\np.loadURDF('other.urdf')", False),
         ("import mujoco, pybullet\nload('ball.urdf')", False),
         ("", False),
@@ -175,3 +176,22 @@ def test_what_only_other_programs_do_is_a_note_where_bullet_alone_loads_a_model(
         "XML013": ("scaled", Severity.INFO if is_only else Severity.WARNING),
     }
     assert {finding.code: (finding.message_id, finding.severity) for finding in found} == expected
+
+
+@pytest.mark.parametrize(
+    ("other", "severity"),
+    [
+        ("PATH = folder + '/ball.urdf'", Severity.INFO),
+        ("from pybullet_utils import gazebo_world_parser\np.loadURDF('ball.urdf')", Severity.INFO),
+        ("import mujoco\nload('cup.urdf')", Severity.INFO),
+        ("import mujoco\nload('ball.urdf')", Severity.WARNING),
+    ],
+)
+def test_only_a_file_that_names_the_model_gives_it_to_another_program(
+    tmp_path: Path, other: str, severity: Severity
+) -> None:
+    (tmp_path / "run.py").write_text("import pybullet as p\np.loadURDF('ball.urdf')")
+    (tmp_path / "other.py").write_text(other)
+    text = robot('<material name="red"><color rgba="255 0 0 1"/></material>', link("a"))
+    (finding,) = find(tmp_path, text, "XML013", name="ball.urdf")
+    assert finding.severity is severity

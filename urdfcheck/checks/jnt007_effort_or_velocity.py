@@ -11,8 +11,8 @@ from urdfcheck.core.text import format_count, join_names, split_name_words
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still
 from urdfcheck.model.likeness.side_names import remove_places
-from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.motion.rotors import is_named_rotor
+from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.use.display import has_bare_joints
 from urdfcheck.model.use.other_programs import is_only_for_bullet
 from urdfcheck.model.use.simulators import is_simulated_hardware

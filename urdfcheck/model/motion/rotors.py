@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from urdfcheck.core.text import split_name_words
-from urdfcheck.model.robot import Joint, Model
+from urdfcheck.model.parts import Joint
+from urdfcheck.model.robot import Model
 
 # The words of joints that turn a propeller: plugins drive them, which read no limit.
 _WORDS = frozenset({"rotor", "propeller", "prop", "thruster"})
