@@ -12,7 +12,6 @@ from urdfcheck.core import Confidence, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, format_length, join_names, join_numbers
 from urdfcheck.model import Joint, Model, Shape
 from urdfcheck.model.gazebo import list_loop_joints
-from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.motion.collisions.at_rest import Contact
 from urdfcheck.model.motion.collisions.self_collisions import (
     CollisionPair,
@@ -186,10 +185,12 @@ def _are_crossed_arms(collisions: SelfCollisions, pair: CollisionPair) -> bool:
     ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
     if pair.hit_share > _RARELY or min(map(len, ways)) < _ARM_JOINTS:
         return False
+    # Few pairs get here.
+    from urdfcheck.model.ground.support_polygon import LEG
+    from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart
+
     if any(LEG.search(f"{joint.name} {joint.child}") for way in ways for joint in way):
         return False
-    from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart  # few pairs get here
-
     return not is_drawn_apart(collisions, pair, at_rest=True)
 
 
