@@ -62,6 +62,7 @@ from urdfcheck.model.parts import TENSOR_NAMES, has_drawn_shape
 from urdfcheck.model.repairs.inertial_edits import InertialRepair, build_inertial_repair
 from urdfcheck.model.shapes.visual_solid import measure_link_geometry
 from urdfcheck.model.use.display import is_made_for_display
+from urdfcheck.model.use.scenery import scenery_links
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -132,7 +133,7 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if not (ratio if part.has_own_geometry else _OTHER_PART) < excess < np.inf or (is_speck and excess < _OF_SPECK):
             continue
-        if excess < VAST and is_stand_in(part):
+        if (excess < VAST and is_stand_in(part)) or part.link.name in scenery_links(model):
             continue
         if has_unknown_mass(model, part.link, part.mass, declared.tensor) or is_called_negligible(model, part.link):
             continue

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -17,7 +16,7 @@ from urdfcheck.facts.inertials.certainty import VAST
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
-from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model, Shape
+from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.minor_findings import are_absorbed, is_lost, set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
@@ -25,8 +24,7 @@ from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_
 from urdfcheck.model.inertials.typed_tensors import MOMENTS, is_computed_from_lengths
 from urdfcheck.model.motion.fixed_base import is_ballast, is_sensor_stand, is_untouched, list_unturned_links
 from urdfcheck.model.parts import has_drawn_shape
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, list_whole_bodies
-from urdfcheck.model.shapes.bounds import compute_bounding_box
+from urdfcheck.model.rigid_bodies import list_whole_bodies
 from urdfcheck.model.shapes.visual_solid import (
     explain_collision_stand_in,
     has_unit_ambiguity,
@@ -41,6 +39,7 @@ from urdfcheck.model.use.display import (
     is_never_weighed,
 )
 from urdfcheck.model.use.other_programs import is_weighed_by_bullet
+from urdfcheck.model.use.scenery import scenery_links
 from urdfcheck.model.use.simulators import has_elements
 
 if TYPE_CHECKING:
@@ -52,13 +51,6 @@ _FEWEST = 4
 _FEWEST_MASSES = 3
 # Cosine: a joint's axis is along a rod where the angle between the two is below 25°.
 _ALONG = 0.9
-# The diagonal in m above which a model without moving joints is no object that a robot handles.
-_SCENERY = 10.0
-# With parts of a room by name, above this one (chosen).
-_ROOM, _ROOM_NAME = (
-    2.0,
-    re.compile(r"(?:^|[^a-z])(?:floor|wall|ceiling|room|building|corridor|stair|ramp)s?(?![a-z])", re.IGNORECASE),
-)
 # What only carries sensors stands as firmly with so many times its moments, or one part of these (chosen).
 _OF_STAND = 100.0
 # A link of at most this mass in kg that nothing is fixed to is the marker of a point. So small a moment in kg m² was chosen for
@@ -161,7 +153,7 @@ def _iter_placeholders(model: Model, factor: float) -> Iterator[_PlaceholderIner
             for name in body.links
             if (what := _describe_placeholder(model, model.link_by_name[name])) is not None
         }
-        if descriptions and (is_ballast(model, body.links) or _is_scenery(model, body)):
+        if descriptions and (is_ballast(model, body.links) or body.links[0] in scenery_links(model)):
             continue
         shares = compute_body_shares(model, body.links) if descriptions else {}
         for name, description in descriptions.items():
@@ -182,24 +174,6 @@ def _is_marker(declared: DeclaredTensor, mass: float, misfit: _Misfit) -> bool:
     than that of what is drawn."""
     largest = max(declared.components)
     return mass <= _MARKER_MASS and misfit.expected <= largest <= _MARKER_MOMENT
-
-
-def _is_scenery(model: Model, body: RigidLinkGroup) -> bool:
-    """Whether a model without joints that move is the ground or the building of a simulated world: nothing moves that."""
-    if any(joint.is_movable for joint in model.joints):
-        return False
-    placed = [(shape, model.piece_frames[name]) for name in body.links for shape in _list_shapes(model, name)]
-    # The mesh of one may not have been read.
-    boxes = [box for one in placed if (box := compute_bounding_box(model, [one])) is not None]
-    if not boxes:
-        return False
-    least = _ROOM if any(map(_ROOM_NAME.search, body.links)) else _SCENERY
-    return float(np.linalg.norm(np.max(boxes, axis=0)[1] - np.min(boxes, axis=0)[0])) > least
-
-
-def _list_shapes(model: Model, name: str) -> Sequence[Shape]:
-    link = model.link_by_name[name]
-    return (*link.visuals, *link.collisions)
 
 
 def _describe_placeholder(model: Model, link: Link) -> str | None:
