@@ -44,6 +44,22 @@ def test_a_hole_that_may_change_the_volume_is_not_filled(tmp_path: Path) -> None
     assert facts.filled_moments is None
 
 
+def test_sheets_that_are_small_and_far_apart_are_not_solids() -> None:
+    """Each of two squares, 2 m apart, has 50 times its own width to the middle of the mesh; filled, neither has a volume."""
+    square = ((0.0, 0.0), (0.01, 0.0), (0.01, 0.01), (0.0, 0.01))
+    facets = [[(x, *square[i]) for i in corners] for x in (-1.0, 1.0) for corners in ((0, 1, 2), (0, 2, 3))]
+    facets[:2] = [facet[::-1] for facet in facets[:2]]
+    loops = "".join(
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {x} {y} {z}\n" for x, y, z in facet)
+        + "endloop\nendfacet\n"
+        for facet in facets
+    )
+    facts = measure_mesh(f"solid part\n{loops}endsolid part\n".encode(), "stl")
+    assert facts.open_edges == 8
+    assert facts.filled_moments is None
+
+
 def test_a_fin_on_a_mesh_is_filled_like_a_hole(tmp_path: Path) -> None:
     """A small facet stands on an edge of the mesh, which three facets have: it bounds nothing."""
     corners, faces = triangles(CASTING)

@@ -312,10 +312,10 @@ class MeshFacts:
         first, second = (ends[:, i] - middles[holes] for i in (0, 1))
         areas = np.bincount(holes, weights=np.linalg.norm(np.cross(first, second), axis=1) / 2.0)
         between = float(((2.0 * areas) ** 1.5).sum()) / (6.0 * np.pi**0.5)
-        if not between <= _FILLED * abs(self.volume):
-            return None
         fans = np.column_stack([edges[:, ::-1], self.n_vertices + holes])
-        return compute_mesh_moments(np.concatenate([self.vertices, middles]), np.concatenate([self.faces, fans]))
+        filled = compute_mesh_moments(np.concatenate([self.vertices, middles]), np.concatenate([self.faces, fans]))
+        # The volume of the open surfaces is about the middle of the mesh: that of small sheets far from it would be large.
+        return filled if between <= _FILLED * abs(filled.volume) and filled.volume else None
 
     def compute_reach(self, directions: Array) -> Array:
         """Compute how far the mesh reaches (n,) from the origin in each direction (n, 3); exact, also where the hull is not."""
