@@ -2696,3 +2696,17 @@ def test_an_argument_that_is_not_read_where_it_is_meant_is_not_deleted(
     assert (finding.message_id, finding.data["name"]) == (message, "front_rpy")
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == [edit]
+
+
+@pytest.mark.parametrize(("folders", "severity"), [('"urdf", "raw", ', Severity.ERROR), ('"urdf", ', Severity.WARNING)])
+def test_a_model_that_is_kept_aside_is_one_that_is_started_where_a_launch_file_names_its_folder(
+    tmp_path: Path, folders: str, severity: Severity
+) -> None:
+    """A launch file that names the model without that folder starts the copy beside it."""
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "launch/arm.launch.py": f'path = os.path.join(get_package_share_directory("arm"), {folders}"arm.urdf.xacro")\n',
+        "urdf/raw/arm.urdf.xacro": f'{HEAD}<link name="${{base}}"/></robot>',
+    }
+    (finding,) = find(tmp_path, files, "XAC001", name="urdf/raw/arm.urdf.xacro")
+    assert finding.severity is severity

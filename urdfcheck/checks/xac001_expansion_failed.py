@@ -26,7 +26,7 @@ from urdfcheck.source.launch.built_files import find_origin, may_be_built
 from urdfcheck.source.load import Source, expand_edited, locate_expression
 from urdfcheck.source.model_file import compile_includes, may_compute_name
 from urdfcheck.source.package.file_kinds import MODEL_SUFFIXES
-from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.similar_files import (
     describe_uninstalled_file,
     find_slashed_file,
@@ -51,7 +51,7 @@ from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
-from urdfcheck.source.uses_elsewhere import find_used_copy, is_no_robot, is_orphan, is_unused
+from urdfcheck.source.uses_elsewhere import find_used_copy, is_kept_unused, is_no_robot, is_orphan, is_unused
 from urdfcheck.source.xacro.file_contents import has_parts
 from urdfcheck.source.xacro.usage import (
     ARGUMENT,
@@ -167,7 +167,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         # A piece that lacks what another file of its package defines was left out of the model: no program loads it.
         is_left_out = bool(report.data.get("defining")) and _is_unused(source)
         is_left_out |= report.message == "parameter-foreign"  # the program that reads it expands the file
-        is_left_out |= is_kept_aside(source.path, source.package)
+        is_left_out |= is_kept_unused(source)
         is_left_out |= passing != ""  # where it is started, the model has a value
         is_left_out |= is_aside
         is_left_out |= bool(report.data.get("origin"))  # where the package is built, the file is there

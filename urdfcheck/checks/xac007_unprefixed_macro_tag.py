@@ -15,14 +15,13 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
-from urdfcheck.source.package.finder import is_kept_aside
 from urdfcheck.source.text.grammar import list_single_tags
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.problems import find_lacking
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element, SourceFile
-from urdfcheck.source.uses_elsewhere import is_no_robot
+from urdfcheck.source.uses_elsewhere import is_kept_unused, is_no_robot
 from urdfcheck.source.xacro.usage import (
     ANY_TAG,
     collect_lost_tags,
@@ -144,7 +143,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             consequences=_describe_consequences(source, elements) or _describe_kept(standing),
         )
         is_error = finding.severity is Severity.ERROR
-        if is_error and (is_kept_aside(source.path, source.package) or is_no_robot(source)):  # no program loads it
+        if is_error and (is_kept_unused(source) or is_no_robot(source)):  # no program loads it
             finding = replace(finding, severity=Severity.WARNING, blocks_check=source.root is None)
         yield replace(finding, subjects=tuple(dict.fromkeys(e.subject for e in elements[:_MAX_EDITED])))
 

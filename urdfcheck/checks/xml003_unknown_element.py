@@ -12,12 +12,12 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.text import format_repetition, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.ground.drive_plugins import list_drive_plugins
-from urdfcheck.source.package.finder import is_kept_aside
 from urdfcheck.source.text.engine_reactions import is_collision_part
 from urdfcheck.source.text.grammar import CHILDREN, NUMERIC_ATTRIBUTES, guess_element_tag, iter_urdf_elements
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
+from urdfcheck.source.uses_elsewhere import is_kept_unused
 from urdfcheck.source.xacro.usage import find_typed, find_unprefixed_tags
 
 # Elements that a program other than urdfdom reads here, and extensions with their own names.
@@ -119,7 +119,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         for child in parent.children:
             if _is_unknown_element(parent.tag, child):
                 unknown.setdefault((parent.tag, child.tag), []).append(child)
-    is_aside = is_kept_aside(model.source.path, model.source.package)  # no program loads it
+    is_aside = is_kept_unused(model.source)  # no program loads it
     for (parent_tag, tag), places in _leave_out_calls(model, unknown).items():
         verdict = _classify_element(parent_tag, places, model)
         if verdict is None:

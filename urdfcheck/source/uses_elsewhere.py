@@ -22,6 +22,7 @@ from urdfcheck.source.package.package_folders import (
     TEST_FOLDERS,
     drop_comments,
     get_used_name,
+    is_aside_folder,
     iter_package_texts,
     read_package_texts,
 )
@@ -438,6 +439,17 @@ def _iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tu
         for path in (Path(here, name) for name in sorted(files) if name.endswith(endings)):
             if source.finder.can_open(path):
                 yield path, read_text_or_nothing(path, _MAX_BYTES)
+
+
+def is_kept_unused(source: Source) -> bool:
+    """Whether a model is in a folder for files that are kept and not used, and no file of the project names it in that folder:
+    what one project keeps in `raw`, another starts. A bare name is as often that of the copy in use."""
+    if source.package is None or not is_kept_aside(source.path, source.package):
+        return False
+    inside = Path(os.path.relpath(source.path.absolute(), source.package.path.absolute())).parts
+    folder = next((level for level, name in enumerate(inside) if is_aside_folder(name)), 0)
+    named = re.compile(r"[\"',\s/]+".join(map(re.escape, inside[folder:])))
+    return not any(named.search(drop_comments(text)) for text in read_project_texts(source))
 
 
 @lru_cache(maxsize=1)
