@@ -406,6 +406,14 @@ def test_a_shape_that_strayed_along_its_own_axis_into_the_link_before_is_apart(t
     assert "middle of the collision is 0.2 m from that of the visual" in finding.message
 
 
+def test_a_shape_of_the_size_of_its_drawing_that_strayed_along_the_next_axis_is_apart(tmp_path: Path) -> None:
+    column = box("visual", "0.1 0.1 0.2", "0 0 0.1") + box("collision", "0.1 0.1 0.22", "0 0 0.35")
+    top = box("visual", "0.2 0.2 0.5", "0 0 0.25") + box("collision", "0.2 0.2 0.5", "0 0 0.25")
+    turns = joint("j", "column", "top", kind="continuous", xyz="0 0 0.2", axis="0 0 1")
+    (finding,) = find(tmp_path, robot(link("column", column), link("top", top), turns), "GEO003")
+    assert finding.message_id == "apart"
+
+
 def test_which_of_the_two_is_out_of_place_is_left_open(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, robot(link("a", box("visual", xyz="0.3 0 0") + box("collision"))), "GEO003")
     assert finding.fix is not None

@@ -166,7 +166,9 @@ def _compare_bodies(model: Model, rule: Rule, *, overlap: float, ratio: float, c
         if not suspects or (len(links) > 1 and _compare_links(model, links, classify_pair) is None):
             continue
         for link, message, pair in suspects:
-            if message == "apart" and (_is_covered(model, body, link, pair, covered) or _holds_joint(model, link)):
+            if message == "apart" and (
+                _is_covered(model, body, link, pair, covered) or _holds_joint(model, link, pair)
+            ):
                 continue
             if message == "size" and _is_ground(model, pair):
                 continue
@@ -233,11 +235,12 @@ def _is_covered(model: Model, body: RigidLinkGroup, link: Link, pair: _BoxPair, 
     return False
 
 
-def _holds_joint(model: Model, link: Link) -> bool:
+def _holds_joint(model: Model, link: Link, pair: _BoxPair) -> bool:
     """Whether the collision geometry of a link is about one of its joints, where the link on the other side is drawn: the next
     one, where a smaller shape may be anywhere along the axis, or the one before if that has collision geometry too.
 
-    Along its own axis a shape may have strayed into the link before, by a wrong sign: there it must be at the joint."""
+    Along its own axis a shape may have strayed into the link before, by a wrong sign: there it must be at the joint. So must
+    one with the edges of the visual, which is the link's own."""
     box = compute_bounding_box(model, [(s, np.eye(4)) for s in link.collisions if not is_dummy_shape(s)])
     home = np.linalg.inv(model.frames[link.name])
     before = model.tree.parent_joint.get(link.name)
@@ -254,9 +257,8 @@ def _holds_joint(model: Model, link: Link) -> bool:
         if not joint.is_movable or box is None or drawn is None or not _measure_diagonal(drawn):
             continue
         away = box.mean(axis=0) - place[:3, 3]
-        is_part = _ALIKE * _measure_diagonal(box) < _measure_diagonal(
-            drawn
-        )  # what is as large may be meant for that link
+        # What is as large as the other link's drawing may be meant for that link.
+        is_part = _ALIKE * _measure_diagonal(box) < _measure_diagonal(drawn) and not pair.is_one_shape
         if is_part and joint is not before and joint.type != "prismatic" and joint.name in model.axes:
             axis = home[:3, :3] @ model.axes[joint.name]
             away = away - (away @ axis) * axis
