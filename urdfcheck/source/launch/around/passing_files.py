@@ -65,13 +65,21 @@ def find_passing_files(launch: Launch, argument: str) -> list[Path]:
 def is_off_by_default(place: Span, finder: PackageFinder) -> bool:
     """Whether the defaults of a launch file of ROS 1 switch off the element at this place, and so does each launch file of the
     project that passes it an argument."""
-    launch = load_launch(Path(place.file), finder)
-    if launch.scope is None or launch.dialect != "ros1" or not _is_off(launch.scope, place):
-        return False
+    scopes = _list_scopes(Path(place.file), finder)
+    return bool(scopes) and all(_is_off(scope, place) for scope in scopes)
+
+
+@lru_cache(maxsize=1)  # asked for each package that a launch file names
+def _list_scopes(path: Path, finder: PackageFinder) -> tuple[LaunchScope, ...]:
+    """List what a launch file of ROS 1 is with its defaults, first, and as each launch file of the project includes it that
+    passes it an argument; nothing for another file."""
+    launch = load_launch(path, finder)
+    if launch.scope is None or launch.dialect != "ros1":
+        return ()
     own = os.path.realpath(launch.path)
     callers = {path for argument in launch.arguments for path in find_passing_files(launch, argument.get("name"))}
     scopes = (scope for path in callers for scope in load_launch(path, finder).scopes.values())
-    return all(_is_off(scope, place) for scope in scopes if os.path.realpath(scope.resolver.path) == own)
+    return (launch.scope, *(scope for scope in scopes if os.path.realpath(scope.resolver.path) == own))
 
 
 def _is_off(scope: LaunchScope, place: Span) -> bool:
