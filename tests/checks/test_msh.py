@@ -906,6 +906,14 @@ def test_a_scale_on_the_collision_alone_leaves_the_drawing_whole(
     assert ("gazebo" in finding.consequences) == (roles == ("collision",))
 
 
+def test_a_speck_beside_another_collision_shape_leaves_the_part_touchable(tmp_path: Path) -> None:
+    shapes = shape("visual", scale="1 1 1") + shape("collision", scale="0.001 0.001 0.001")
+    beside = '<collision><geometry><box size="0.2 0.2 0.2"/></geometry></collision>'
+    (finding,) = find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.2), shapes + beside, "", step=0.3)
+    assert finding.message_id == "small"
+    assert "gazebo" not in finding.consequences
+
+
 def test_a_tiny_mesh_without_scale_is_meant(tmp_path: Path) -> None:
     assert not find_in_mesh(tmp_path, "MSH008", scaled(CLOSED, 0.0004), "", shape("visual"), step=0.3)
 

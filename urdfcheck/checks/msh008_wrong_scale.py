@@ -92,13 +92,14 @@ def _check_sizes(model: Model, rule: Rule, sizes: MeshSizes) -> Iterator[Finding
         yield _set_all_subjects(finding, uses)
 
 
-def _describe_effects_of_role(message: str, uses: Iterable[MeshUse]) -> dict[str, str]:
+def _describe_effects_of_role(message: str, uses: Sequence[MeshUse]) -> dict[str, str]:
     """Return what programs do with meshes of the wrong size that are only drawn, or only collide."""
     if not _has_collision(uses):
         return _DRAWN_ONLY if message == "large" else {}
     if any(use.shape in use.link.visuals for use in uses):
         return {}
-    return {**_NOT_DRAWN, **(_UNTOUCHED if message in {"small", "twice"} else {})}
+    is_alone = all(len(use.link.collisions) == 1 for use in uses)  # what else the part has is touched
+    return {**_NOT_DRAWN, **(_UNTOUCHED if is_alone and message in {"small", "twice"} else {})}
 
 
 def _propose_edits(
