@@ -470,6 +470,17 @@ def test_a_released_package_is_meant_where_the_project_has_its_family(tmp_path: 
     assert finding.fix.title.startswith(f"declare it in package.xml and install it{meant}{end}")
 
 
+def test_of_two_parameters_with_one_default_the_one_that_the_call_leaves_out_is_reported(tmp_path: Path) -> None:
+    macro = (
+        '<xacro:macro name="m" params="a:=$(find no_such)\n  b:=$(find no_such)"><link name="l${a}${b}"/></xacro:macro>'
+    )
+    text = f'<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro">{macro}<xacro:m a="1"/></robot>'
+    write(tmp_path, {"car.urdf.xacro": text})
+    (finding,) = check(tmp_path / "car.urdf.xacro", codes={"PKG001"}).findings
+    assert finding.location.span is not None
+    assert finding.location.span.line == 2
+
+
 def test_a_missing_package_is_reported_where_the_default_of_a_macro_names_it(tmp_path: Path) -> None:
     arm = '<xacro:macro name="arm" params="prefix\n  limits:=\'$(find ur_description)/limits.yaml\'\n  size:=1"/>'
     car = '<xacro:include filename="arm.xacro"/><xacro:arm prefix=""/><link name="base"/>'

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import builtins
+import operator
 import os
 import re
 import sys
@@ -560,7 +561,8 @@ class Tracer:
         """Return the parameter of a macro that has a default."""
         raw = getattr(get_origin(macro.body), "raw", None)
         params = None if raw is None else raw.attributes.get("params")
-        name = next((name for name in macro.params if macro.defaultmap.get(name) == default), None)
+        # By identity: another parameter, for which the call has a value, may have the same default.
+        name = next((name for name, typed in macro.defaultmap.items() if all(map(operator.is_, typed, default))), None)
         if params is None or name is None:
             return None
         return Definition("parameter", name, self.find_parameter_span(params, name))
