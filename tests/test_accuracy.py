@@ -69,12 +69,14 @@ def test_the_mistake_is_named(exact: Sequence[Outcome], kind: str) -> None:
     assert all(cause is None or (kind, cause) == ("mass_unit", "other_mass") for _, cause in missed), missed
 
 
+@pytest.mark.long
 def test_true_numbers_are_sound(exact: Sequence[Outcome], lumped: Sequence[Outcome]) -> None:
     assert all(c.sound and c.cause is None for c in exact if c.kind == CLEAN)
     clean = [c for c in lumped if c.kind == CLEAN]
     assert sum(not c.sound for c in clean) <= 0.04 * len(clean)
 
 
+@pytest.mark.long
 def test_with_uneven_mass_the_named_cause_is_the_right_one(lumped: Sequence[Outcome]) -> None:
     common = {CLEAN, *(kind.name for kind in KINDS if kind.common)}
     named = [c for c in lumped if c.cause and c.kind in common]

@@ -61,7 +61,7 @@ def find(path: Path, cache: Path | None) -> Run:
     return replace(found, seconds=0.0, models=tuple(replace(model, seconds=0.0) for model in found.models))
 
 
-@pytest.mark.parametrize("kind", ["arm", pytest.param("car-3", marks=pytest.mark.slow)])
+@pytest.mark.parametrize("kind", ["arm", pytest.param("car-3", marks=[pytest.mark.slow, pytest.mark.long])])
 def test_a_changed_number_is_noticed(tmp_path: Path, kind: str) -> None:
     """Of up to four changes at a time, made on top of each other and undone."""
     shutil.copytree(FIXTURES / "car-3", tmp_path / "car-3")
