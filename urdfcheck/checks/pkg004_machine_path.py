@@ -101,7 +101,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     message = _choose_message(first)
     host = _HOST.match(first.resource.text)
     parts = [use.attribute.owner for use in place.uses]
-    is_lost = message in {"host", "nowhere"} or (message == "installed" and not first.resource.exists)
+    is_lost = message in {"host", "nowhere", "placeholder"} or (message == "installed" and not first.resource.exists)
     return rule.finding(
         message,
         at=place.location,
