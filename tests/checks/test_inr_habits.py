@@ -366,3 +366,21 @@ def test_a_row_of_coms_in_another_frame_has_no_lost_point(tmp_path: Path, other:
     found = find(tmp_path, robot(*parts), {"INR006", "INR009"})
     causes = {finding.cause and finding.cause.id for finding in found if "servo0" in finding.message}
     assert ("decimal_point" in causes) is is_named
+
+
+@pytest.mark.parametrize(("others", "is_named"), [("0.6 -0.5 -0.9", False), ("0 0.01 0.02", True)])
+def test_a_lost_point_is_not_named_where_most_coms_are_in_another_frame(
+    tmp_path: Path, others: str, is_named: bool
+) -> None:
+    """The COMs of an arm are in another frame: the first happens to be ten times as far as it should be."""
+    parts = [link("base")]
+    for i, com in enumerate(("0 0.1 0.2", others, others)):
+        x, y, z, mass = 0.04, 0.06 + 0.01 * i, 0.1, 1.2 - 0.3 * i
+        moments = {"ixx": y * y + z * z, "iyy": x * x + z * z, "izz": x * x + y * y}
+        typed = inertial(mass, com=com, **{name: f"{mass / 12 * value:.6g}" for name, value in moments.items()})
+        parts.append(link(f"l{i}", typed, visual(box(f"{x} {y} {z}"), xyz="0 0.01 0.02")))
+        parent = f"l{i - 1}" if i else "base"
+        parts.append(joint(f"j{i}", parent, f"l{i}", kind="continuous", axis="0 0 1", xyz="0 0.6 0"))
+    found = find(tmp_path, robot(*parts), {"INR006", "INR009"})
+    causes = {finding.cause and finding.cause.id for finding in found if "l0" in finding.message}
+    assert ("decimal_point" in causes) is is_named

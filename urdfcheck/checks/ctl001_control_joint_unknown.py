@@ -92,9 +92,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     lack=_LACK if is_skipped else "",
                 )
         if devices:
-            yield _build_device_finding(rule, devices)
+            yield _build_joined_finding(rule, "ros2_control-device", devices, Severity.WARNING)
         if foreign and tag == "ros2_control" and not model.joints:
-            yield _build_lone_finding(rule, foreign)
+            yield _build_joined_finding(rule, "ros2_control-lone", foreign, Severity.INFO)
         elif foreign:
             severity, consequences = (Severity.WARNING, _SKIPPED) if all(skipped) else told
             left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
@@ -191,31 +191,15 @@ def _collect_named_joints(model: Model, tag: str) -> set[str]:
     return {element.get("name") for block in blocks for element in block.walk() if element.tag == "joint"}
 
 
-def _build_lone_finding(rule: Rule, names: list[Attribute]) -> Finding:
-    """Report the names of a description without joints: a controller manager reads it for the hardware, and another description
-    has the robot."""
+def _build_joined_finding(rule: Rule, message: str, names: list[Attribute], severity: Severity) -> Finding:
+    """Report names of joints together: those of a description without joints, which a controller manager reads for the hardware
+    while another description has the robot; or devices that are listed as joints."""
     places = {name.span: name for name in names}
     typed = list(dict.fromkeys(name.value for name in names))
     finding = rule.finding(
-        "ros2_control-lone",
+        message,
         at=names[0],
-        severity=Severity.INFO,
-        related=list(places.values())[1:],
-        joints=join_names(typed),
-        which="a joint" if len(typed) == 1 else f"{len(typed)} joints",
-        them="it" if len(typed) == 1 else "them",
-    )
-    return replace(finding, subjects=tuple(dict.fromkeys(name.location.subject for name in names)))
-
-
-def _build_device_finding(rule: Rule, names: list[Attribute]) -> Finding:
-    """Report together the devices that are listed as joints."""
-    places = {name.span: name for name in names}
-    typed = list(dict.fromkeys(name.value for name in names))
-    finding = rule.finding(
-        "ros2_control-device",
-        at=names[0],
-        severity=Severity.WARNING,
+        severity=severity,
         related=list(places.values())[1:],
         joints=join_names(typed),
         which="a joint" if len(typed) == 1 else f"{len(typed)} joints",

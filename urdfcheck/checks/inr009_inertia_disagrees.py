@@ -326,7 +326,11 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
     diagnosis, drawn = judged.diagnosis, measure_link_geometry(model, tensor.link)
     if diagnosis.cause == "inertia_unit" and _is_typed_for_all(model, tensor, judged):
         return True
-    if diagnosis.cause == "decimal_point" and diagnosis.detail.startswith("com ") and _is_row_elsewhere(model, tensor):
+    if (
+        diagnosis.cause == "decimal_point"
+        and diagnosis.detail.startswith("com ")
+        and _are_coms_elsewhere(model, tensor)
+    ):
         return True
     if (
         diagnosis.cause not in _CAD_MISTAKES
@@ -342,18 +346,17 @@ def _is_coincidence(model: Model, tensor: DeclaredTensor, judged: DiagnosedInert
     return diagnosis.mended_tensor_mismatch > EXACT and is_formula
 
 
-def _is_row_elsewhere(model: Model, tensor: DeclaredTensor) -> bool:
-    """Whether another link with the same mass and principal moments has its COM far from what it draws, for another reason or
-    none: the COMs of a row of parts are in another frame, and a power of ten brings one of them near by chance."""
-    own = inertial_diagnoses(model)[tensor.link.name].declared
+def _are_coms_elsewhere(model: Model, tensor: DeclaredTensor) -> bool:
+    """Whether most other links, or one with the same mass and principal moments, have their COM far from what they draw, for
+    another reason or none: the COMs are in another frame, and a power of ten brings one of them near by chance."""
+    diagnoses = inertial_diagnoses(model)
+    own = diagnoses[tensor.link.name].declared
+    others = [judged for name, judged in diagnoses.items() if name != tensor.link.name]
+    far = [o.declared for o in others if o.diagnosis.com_mismatch > FAR and o.diagnosis.cause != "decimal_point"]
     moments = np.linalg.eigvalsh(own.tensor)
-    return any(
-        name != tensor.link.name
-        and judged.declared.mass == own.mass
-        and judged.diagnosis.com_mismatch > FAR
-        and judged.diagnosis.cause != "decimal_point"
-        and np.allclose(np.linalg.eigvalsh(judged.declared.tensor), moments, rtol=_ROUND, atol=0.0)
-        for name, judged in inertial_diagnoses(model).items()
+    return 2 * len(far) > len(others) or any(
+        one.mass == own.mass and np.allclose(np.linalg.eigvalsh(one.tensor), moments, rtol=_ROUND, atol=0.0)
+        for one in far
     )
 
 

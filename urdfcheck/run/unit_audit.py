@@ -37,7 +37,7 @@ from urdfcheck.policy.policy import TIERS, Policy
 from urdfcheck.policy.report_limits import truncate_texts
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.comment_usage import assess_comments
-from urdfcheck.run.findings import admit_finding, finalize_unit_findings
+from urdfcheck.run.findings import Kind, admit_finding, finalize_unit_findings
 from urdfcheck.run.findings_cache import FindingsCache, is_cacheable
 from urdfcheck.run.jobs import AuditOptions, AuditSettings, Unit, UnitReport
 from urdfcheck.run.replay.reports import keep_report
@@ -411,9 +411,7 @@ class _UnitAudit:
 
         return self.run_guarded("defaults", lambda: find_replaced_defaults(source, names)) or {}
 
-    def find_kinds_of_defaults(
-        self, kinds: AbstractSet[tuple[str, str]]
-    ) -> tuple[AbstractSet[tuple[str, str]], Sequence[StartedVariant]]:
+    def find_kinds_of_defaults(self, kinds: AbstractSet[Kind]) -> tuple[AbstractSet[Kind], Sequence[StartedVariant]]:
         """Return those of these codes and messages that the model has with its defaults and not as it is started, and how it is
         started then."""
         if self.source is None or self.model is None:
@@ -426,8 +424,8 @@ class _UnitAudit:
         return (left, variants) if left else (frozenset(), ())
 
     def leave_kinds_of_defaults(
-        self, kinds: AbstractSet[tuple[str, str]], given: Iterable[Mapping[str, str]]
-    ) -> AbstractSet[tuple[str, str]]:
+        self, kinds: AbstractSet[Kind], given: Iterable[Mapping[str, str]]
+    ) -> AbstractSet[Kind]:
         """Leave those of these codes and messages that the model has with none of these arguments.
 
         None of a rule that finds another error or warning there: it may be the same fault, and nothing else would list it.
