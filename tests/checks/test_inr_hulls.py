@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from builders import arm_on_base, box, find, joint, link, mesh, robot, sphere, visual
 from castings import CASTING, format_inertial, geometry, open_widely, triangles, uniform, write_stl
+from numpy.typing import NDArray
 
 from urdfcheck.core import Severity
-from urdfcheck.facts.mesh.measure import measure_mesh
+from urdfcheck.facts.mesh.measure import measure_mesh, restore_mesh_facts
 
 EMPTY = (
     '<xacro:macro name="{}"><inertial><mass value="0.0001"/>'
@@ -35,6 +38,20 @@ def test_a_small_hole_of_a_mesh_is_filled(tmp_path: Path) -> None:
     assert facts.filled_moments.volume == pytest.approx(solid.volume)
     assert np.allclose(facts.filled_moments.com, solid.com)
     assert np.allclose(facts.filled_moments.covariance, solid.covariance)
+
+
+@pytest.mark.parametrize("damage", [drop_facet, open_widely])
+def test_what_fills_the_holes_is_kept(tmp_path: Path, damage: Callable[[Path], None]) -> None:
+    write_stl(tmp_path / "part.stl", CASTING)
+    damage(tmp_path / "part.stl")
+    parts: dict[str, Mapping[str, NDArray[Any]]] = {}
+    first = measure_mesh((tmp_path / "part.stl").read_bytes(), "stl", parts).filled_moments
+    del parts["surface"]  # of which it would be computed again
+    again = restore_mesh_facts(parts)
+    assert again is not None
+    assert (again.filled_moments is None) == (first is None)
+    for name in ("volume", "com", "covariance", "flat_faces"):
+        assert first is None or np.array_equal(getattr(again.filled_moments, name), getattr(first, name))
 
 
 def test_a_hole_that_may_change_the_volume_is_not_filled(tmp_path: Path) -> None:

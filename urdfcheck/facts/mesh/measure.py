@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -301,6 +301,21 @@ class MeshFacts:
         isoperimetric inequality; Osserman, *The isoperimetric inequality*, 1978)."""
         if self.closed or self.open_edges > _MOST_OPEN_EDGES:
             return None
+
+        def compute_filled() -> Mapping[str, NDArray[Any]]:
+            filled = self._fill_holes()
+            return {"known": np.array(filled is not None)} | {
+                f.name: np.array(getattr(filled, f.name)) for f in fields(MeshMoments) if filled is not None
+            }
+
+        part = dict(self._get_part("filled", compute_filled))
+        if not part.pop("known"):
+            return None
+        values: dict[str, Any] = {name: value if value.ndim else value.item() for name, value in part.items()}
+        return MeshMoments(**values)
+
+    def _fill_holes(self) -> MeshMoments | None:
+        """Integrate over the mesh with its holes filled; None where there are none, or another filling may differ."""
         edges = find_unpaired_edges(self.faces, self._edges)
         if not len(edges):
             return None
