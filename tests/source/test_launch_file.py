@@ -410,7 +410,7 @@ def test_nodes_and_own_arguments_are_listed_wherever_they_stand(package: Path) -
 
 @pytest.mark.parametrize(
     ("text", "kind"),
-    [("<launch>", "malformed"), (b"<launch>\xff</launch>", "encoding"), ("<!DOCTYPE a><launch/>", "doctype")],
+    [("<launch>", "malformed"), (b"<launch>\xff</launch>", "encoding"), ("<!DOCTYPE a []><launch/>", "doctype")],
 )
 def test_a_broken_launch_file_is_a_problem_with_its_place(package: Path, text: str | bytes, kind: str) -> None:
     loaded = launch(package, text)

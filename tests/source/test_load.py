@@ -87,7 +87,7 @@ def test_a_launch_file_decides_where_the_name_does_not(tmp_path: Path, xacro: bo
     [
         ("a.urdf", "<robot>", "malformed", False),
         ("a.urdf", b"<robot name='\xff'/>", "encoding", False),
-        ("a.urdf", "<!DOCTYPE robot><robot/>", "doctype", False),
+        ("a.urdf", "<!DOCTYPE robot []><robot/>", "doctype", False),
         ("a.urdf", "<robot><xacro:if/></robot>", "prefix", True),
         ("a.xacro", "<robot><xacro:if/></robot>", "prefix", True),
         ("a.xacro", f"<robot {XMLNS}><xacro:no/></robot>", "expansion-failed", True),

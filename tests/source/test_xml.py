@@ -209,9 +209,9 @@ def test_a_duplicate_attribute_is_refused_at_the_second_one() -> None:
 @pytest.mark.parametrize(
     "text",
     [
-        '<!DOCTYPE robot SYSTEM "file:///etc/passwd"><robot/>',
+        '<!DOCTYPE robot SYSTEM "file:///etc/passwd"><robot name="&a;"/>',
         '<!DOCTYPE robot [<!ENTITY a "1"><!ENTITY b "&a;&a;&a;&a;">]><robot name="&b;"/>',
-        "<?xml version='1.0'?>\n<!-- <!DOCTYPE x> -->\n<!DOCTYPE robot><robot/>",
+        "<?xml version='1.0'?>\n<!-- <!DOCTYPE x> -->\n<!DOCTYPE robot []><robot/>",
     ],
     ids=["external", "entities", "after a comment"],
 )
@@ -220,6 +220,15 @@ def test_a_document_type_is_refused_before_anything_in_it_is_read(text: str) -> 
     assert error.reason == "doctype"
     assert error.span.start == text.rindex("<!DOCTYPE robot")
     assert text[error.span.start : error.span.end] == "<!DOCTYPE"
+
+
+@pytest.mark.parametrize("declared", ["", ' SYSTEM "file:///etc/passwd"', ' PUBLIC "a" "http://localhost:9/robot.dtd"'])
+def test_a_document_type_that_declares_nothing_is_ignored_and_its_file_not_opened(declared: str) -> None:
+    text = f'<!DOCTYPE robot{declared}>\n<robot name="a &amp; b"/>'
+    _, root = tree(text)
+    assert (root.tag, root.get("name")) == ("robot", "a & b")
+    assert root.span is not None
+    assert (root.span.line, root.span.col) == (2, 1)
 
 
 def test_nesting_ends_at_a_limit() -> None:

@@ -35,7 +35,6 @@ _REPAIR_OF_UNREACHABLE = (
     "where the file is named, write its place in a package (`$(find PACKAGE)/…`); if the place is right and you trust it, "
     "allow its folder: --allow-read DIR"
 )
-_UNLESS_NEEDED = ", unless a program checks the file against the definition that it names"
 # The addresses of prefixes, and how those begin that early releases of Gazebo gave their own elements.
 _ADDRESSES = {"xacro": "http://www.ros.org/wiki/xacro", "drake": "http://drake.mit.edu"}
 _GAZEBO_ADDRESS = "http://playerstage.sourceforge.net/gazebo/xmlschema/#"
@@ -82,11 +81,10 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
             if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
                 message = "forgiven"
-            is_bare = bool(problem.data.get("bare"))
             # xacro puts entities in that are texts.
-            is_harmless = message == _OUR_CHOICE and (is_bare or (bool(problem.data.get("plain")) and source.is_xacro))
+            is_harmless = message == _OUR_CHOICE and bool(problem.data.get("plain")) and source.is_xacro
             if is_harmless:
-                message = "doctype-bare" if is_bare else "doctype-xacro"
+                message = "doctype-xacro"
             unread = _REPAIR_OF_UNREADABLE
             if problem.message == OUT_OF_REACH:
                 finding = _report_place_here(source, problem, rule)
@@ -103,7 +101,6 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 file=os.path.abspath(source.path) if problem.message == OUT_OF_REACH else source.name,
                 error=problem.message,
                 repair=repair,
-                unless=_UNLESS_NEEDED if problem.data.get("definition") else "",
             )
             # Every program loads the file, and only we do not read it.
             yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_harmless else finding

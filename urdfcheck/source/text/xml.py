@@ -51,10 +51,8 @@ class XmlError(Exception):
     """The text is not XML that may be read.
 
     ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large | prefix |
-    address. For
-    malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype, whether the
-    declaration is ``bare``, one that declares nothing itself and whose entities are not used, the ``definition`` that it
-    names, and whether it is ``plain``, whose entities are texts; for too-large, ``what`` exceeds the limit (bytes | depth |
+    address. For malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype, whether the
+    declaration is ``plain``, whose entities are texts; for too-large, ``what`` exceeds the limit (bytes | depth |
     attributes | value | parts), the ``limit`` and the number ``found``.
     """
 
@@ -432,14 +430,17 @@ class _Parser:
         if self.source.instruction is None and (self.root is not None or self.source.comments):
             self.source.instruction = self._make_span_to("?>", begin)
 
-    def _refuse_doctype(self, _name: str, system: str | None, public: str | None, has_subset: int) -> None:
+    def _refuse_doctype(self, name: str, system: str | None, public: str | None, has_subset: int) -> None:
+        is_used = any(entity not in ENTITIES for entity in _ENTITY.findall(self.text))
+        # A file that only an editor reads: expat does not open it, and no program needs it.
+        if not (has_subset or is_used) and name.lower() != "html":
+            return
         # The parser is already behind the declared name.
         begin = self.text.rfind("<!DOCTYPE", 0, self._find_offset(self.expat.CurrentByteIndex))
         span = self.source.make_span(begin, begin + 9)
         subset = _PLAIN_SUBSET.match(self.text, begin)
         is_plain = subset is not None and not (system or public) and not _ELSEWHERE.search(subset[1])
-        is_used = any(name not in ENTITIES for name in _ENTITY.findall(self.text))
-        data = {"bare": not (has_subset or is_used), "definition": system or public or "", "plain": is_plain}
+        data = {"plain": is_plain}
         raise XmlError("doctype", "a document type declaration is refused", span, data=data)
 
     def _find_offset(self, index: int) -> int:
