@@ -580,11 +580,14 @@ def test_launch_files_that_are_kept_and_not_used_are_left_out(tmp_path: Path, fo
     [
         ("car_old.launch", "", 0),
         ("car_old.launch", '<include file="$(find car)/launch/car_old.launch"/>', 1),
-        ("arm_old.launch", "", 1),
+        ("arm_old.launch", "", 0),
+        ("arm_old.launch", '<include file="$(find car)/launch/arm_old.launch"/>', 1),
+        ("car (copy).launch", "", 0),
+        ("arm (copy).launch", "", 1),
         ("car_odd.launch", "", 1),
     ],
 )
-def test_an_old_copy_of_a_launch_file_that_nothing_names_is_left_out(
+def test_an_old_state_or_copy_of_a_launch_file_that_nothing_names_is_left_out(
     tmp_path: Path, name: str, named: str, count: int
 ) -> None:
     find_in_package(tmp_path, LOAD + named, "LCH001")
@@ -1675,3 +1678,20 @@ def test_what_the_exporter_writes_matters_where_a_file_names_its_launch_file(tmp
     kinds = {"footprint-unused", "calibration"} if reader else {"footprint-idle", "calibration-idle"}
     assert {f.message_id for f in found} == kinds
     assert all(f.severity is Severity.INFO for f in found)
+
+
+@pytest.mark.parametrize(
+    ("readme", "severity"),
+    [("For ROS Kinetic.", Severity.INFO), ("For ROS Kinetic and Noetic.", Severity.WARNING), ("", Severity.WARNING)],
+)
+def test_a_package_beside_says_which_ros_a_project_is_for(tmp_path: Path, readme: str, severity: Severity) -> None:
+    (tmp_path / ".git").mkdir()
+    command = "$(find xacro)/xacro.py $(find car)/urdf/car.urdf"
+    find_in_package(tmp_path, f'<param name="robot_description" command="{command}"/>', "LCH003")
+    beside = tmp_path / "arm"
+    beside.mkdir()
+    (beside / "package.xml").write_text("<package><name>arm</name></package>")
+    (beside / "README.md").write_text(readme)
+    (finding,) = check(tmp_path, codes={"LCH003"}).findings
+    assert finding.severity == severity
+    assert "starts nothing" in finding.consequences["roslaunch"]

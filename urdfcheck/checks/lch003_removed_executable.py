@@ -38,14 +38,14 @@ class _Successor:
 
 _OLD_SPAWNER = ", unless the robot stays on ROS 2 Foxy, which has only the old name"
 _NO_FRAMES = ("rviz", "shows no robot, because nothing publishes its frames")
-_NO_DESCRIPTION = ("rviz", "shows no robot, because robot_description stays empty")
+_NO_COMMAND = "refuses the launch file and starts nothing, because the command fails"
 _NO_ROBOT = ("gazebo", "starts the world without the robot")
 _SUCCESSORS = {
     "ros1": {
         ("robot_state_publisher", "state_publisher"): _Successor(
             "robot_state_publisher", "robot_state_publisher", "ROS Noetic (deprecated since 2012)", _NO_FRAMES
         ),
-        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS Noetic", _NO_DESCRIPTION),
+        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS Noetic", ("roslaunch", _NO_COMMAND)),
         ("gazebo", "spawn_model"): _Successor("gazebo_ros", "spawn_model", "ROS Hydro", _NO_ROBOT),
     },
     "ros2": {
@@ -64,7 +64,7 @@ _SUCCESSORS = {
             "tf2_ros", "static_transform_publisher", "ROS 2", ("rviz", "misses the frame that the node would publish")
         ),
         ("rviz", "rviz"): _Successor("rviz2", "rviz2", "ROS 2", ("rviz", "fails to start")),
-        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS 2", _NO_DESCRIPTION),
+        ("xacro", "xacro.py"): _Successor("xacro", "xacro", "ROS 2", ("ros2_launch", _NO_COMMAND)),
         ("controller_manager", "spawner.py"): _Successor(
             "controller_manager",
             "spawner",

@@ -23,7 +23,7 @@ from urdfcheck.source.launch.substitutions import SubstitutionResolver, Unresolv
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
-from urdfcheck.source.package.package_folders import get_used_name, read_package_texts
+from urdfcheck.source.package.package_folders import get_used_name, is_old_state, read_package_texts
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
@@ -143,17 +143,22 @@ class Launch:
 
     @property
     def is_kept_aside(self) -> bool:
-        """Whether it is in a folder of files that are kept and not used, or is an old copy of one beside it that no text of the
-        package names: ``car_old.launch`` of ``car.launch``."""
+        """Whether it is in a folder of files that are kept and not used, or no text of the package names it and its name says that
+        it is an old state, or an old copy of one beside it: ``car_old.launch``, ``car (copy).launch`` of ``car.launch``."""
         if self.package is None:
             return False
         if is_kept_aside(self.path, self.package):
             return True
-        used = get_used_name(self.path.name)
-        if not used or not self.finder.can_open(self.path.with_name(used)) or not self.path.with_name(used).is_file():
+        if not (is_old_state(self.path.name) or self._has_original_beside()):
             return False
         own = compile_names((self.path.name,))
         return not any(map(own.search, read_package_texts(self.package.path, self.finder.can_open)))
+
+    def _has_original_beside(self) -> bool:
+        """Whether it is named as a copy of a file beside it."""
+        used = get_used_name(self.path.name)
+        original = self.path.with_name(used or self.path.name)
+        return bool(used) and self.finder.can_open(original) and original.is_file()
 
     @property
     def nodes(self) -> list[Element]:

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 from urdfcheck.source.package.finder import PackageFinder
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.system.files import read_regular
 
 _README_NAMES = ("README.md", "readme.md", "Readme.md", "README.rst", "README.txt", "README")
@@ -15,8 +16,12 @@ _LARGEST = 1_000_000
 
 
 def is_only_before_noetic(finder: PackageFinder) -> bool:
-    """Whether a README around the start of a finder, up to its repository's, names ROS before Noetic, and none anything later."""
-    text = "\n".join(_read_readme(folder, finder) for folder in finder.list_parent_folders())
+    """Whether a README of the project, around the start of a finder or of its packages, names ROS before Noetic, and none anything
+    later."""
+    project = find_project_folder(finder.start)
+    packages = (folder for folder in finder.list_packages().values() if folder.is_relative_to(project))
+    folders = dict.fromkeys([*finder.list_parent_folders(), *packages])
+    text = "\n".join(_read_readme(folder, finder) for folder in folders)
     return _BEFORE_NOETIC.search(text) is not None and _SINCE_NOETIC.search(text) is None
 
 
