@@ -861,6 +861,17 @@ def test_a_mesh_that_is_not_there_may_be_larger_than_what_is_seen(tmp_path: Path
         assert [f.message_id for f in find(tmp_path, text, "INR015")] == found
 
 
+@pytest.mark.parametrize(("program", "severity"), [("rviz", Severity.INFO), ("gazebo_ros", Severity.ERROR)])
+def test_too_large_a_mass_that_nothing_reads_is_an_info(tmp_path: Path, program: str, severity: Severity) -> None:
+    text = robot(link("base", inertial(100) + visual(box("0.1 0.1 0.1"))))
+    started = f"<node pkg='robot_state_publisher' args='arm.urdf'/><node pkg='{program}' type='{program}'/>"
+    (tmp_path / "package.xml").write_text("<package><name>arm</name></package>")
+    (tmp_path / "launch").mkdir()
+    (tmp_path / "launch/a.launch").write_text(f"<launch>{started}</launch>")
+    (finding,) = find(tmp_path, {"urdf/arm.urdf": text}, "INR015", name="urdf/arm.urdf")
+    assert (finding.message_id, finding.severity) == ("dense", severity)
+
+
 def test_a_drawing_has_no_mass_to_be_wrong(tmp_path: Path) -> None:
     assert not find(tmp_path, make_arm(BOX, base=BOX), "INR015")
 

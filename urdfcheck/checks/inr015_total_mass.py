@@ -65,7 +65,7 @@ def check(
         yield rule.finding(
             message,
             at=model.name_location,
-            severity=Severity.INFO if total < least and _is_unmoved(model) else None,
+            severity=Severity.INFO if (_is_unmoved if total < least else is_never_weighed)(model) else None,
             cause=cause,
             repair=_IN_KILOGRAMS if cause else _CORRECTED,
             robot=model.name,
@@ -156,7 +156,7 @@ def _build_density_finding(model: Model, rule: Rule, *, total: float, edge: floa
         repair=of_one
         if is_one
         else f"if the robot is {size} large, {of_all}; otherwise correct its lengths, such as the scale of meshes",
-        severity=Severity.WARNING if is_weight else Severity.ERROR,
+        severity=Severity.INFO if is_never_weighed(model) else Severity.WARNING if is_weight else Severity.ERROR,
         robot=model.name,
         link=heaviest.link.name,
         mass=heaviest.mass,
