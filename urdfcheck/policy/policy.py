@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any
 
 from urdfcheck.core import Severity
@@ -30,6 +30,8 @@ class Policy:
     """Whether the model is data of tests: of these, only errors are reported that hold wherever the file is read."""
     is_kept_aside: bool = False
     """Whether it is such a model because it is kept and not used: of these, errors are not reported either."""
+    is_left_over: bool = False
+    """Whether it is kept aside because no file of the project names it, and one names another model of its package."""
     kinematics_only: bool = False
     """Whether findings about masses, inertias and forces alone are left out (`Rule.dynamics`)."""
     tier: str = "full"
@@ -50,3 +52,9 @@ class Policy:
     def accepts_unchecked(self) -> bool:
         """Whether a model that cannot be checked is accepted."""
         return self.unchecked < Severity.ERROR
+
+
+def keep_aside(policy: Policy, *, is_left_over: bool = False) -> Policy:
+    """Return the settings for a model that is kept and not used; that it cannot be checked is accepted."""
+    unchecked = min(policy.unchecked, Severity.WARNING)
+    return replace(policy, is_for_tests=True, is_kept_aside=True, is_left_over=is_left_over, unchecked=unchecked)

@@ -82,6 +82,10 @@ _FOR_TESTS = "of test data only errors are reported; name the file to see all"
 _KEPT_ASIDE = (
     "of old copies and files in folders such as `old` only what stops the check is reported; name the file to see all"
 )
+_LEFT_OVER = (
+    "of a model that no file of the project names, in a package of which it names another one, only what stops the check is "
+    "reported; name the file to see all"
+)
 
 
 def finalize_unit_findings(
@@ -155,7 +159,8 @@ def finalize_unit_findings(
             SkippedCheck(SkippedCheck.DEFAULTS, unit.id, _describe_defaults(replaced, variants), is_partial=True)
         )
     if policy.is_kept_aside and unrequested:
-        skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, _KEPT_ASIDE, is_partial=True))
+        reason = _LEFT_OVER if policy.is_left_over else _KEPT_ASIDE
+        skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, reason, is_partial=True))
     elif policy.is_for_tests and unrequested:
         skips.append(SkippedCheck(SkippedCheck.WARNINGS, unit.id, _FOR_TESTS, is_partial=True))
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)

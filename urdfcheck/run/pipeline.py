@@ -25,6 +25,7 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.policy import baseline
 from urdfcheck.policy.baseline import Baseline
 from urdfcheck.policy.config import Config
+from urdfcheck.policy.policy import Policy, keep_aside
 from urdfcheck.rules import find_pages_folder
 from urdfcheck.run.assemble_run import build_run
 from urdfcheck.run.jobs import AuditSettings, PackageFolders, Request, Unit, UnitReport
@@ -496,14 +497,16 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         for unit in units
     ]
     return [
-        replace(
-            unit,
-            policy=replace(unit.policy or request.policy, is_for_tests=True, is_kept_aside=test_data[unit.path]),
-        )
+        replace(unit, policy=_set_aside(unit.policy or request.policy, is_unused=test_data[unit.path]))
         if unit.kind == "model" and unit.path in test_data
         else unit
         for unit in configured
     ]
+
+
+def _set_aside(policy: Policy, *, is_unused: bool) -> Policy:
+    """Return the settings for data of tests, or for a model that is kept and not used."""
+    return keep_aside(policy) if is_unused else replace(policy, is_for_tests=True)
 
 
 # Returns the file and root folder of a baseline that is not the run's own, and the baseline.

@@ -33,7 +33,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.policy.consumers import SIMULATOR
 from urdfcheck.policy.fix_safety import withdraw_shared_edits
-from urdfcheck.policy.policy import TIERS, Policy
+from urdfcheck.policy.policy import TIERS, Policy, keep_aside
 from urdfcheck.policy.report_limits import truncate_texts
 from urdfcheck.rules import has_check, load_check, load_rules
 from urdfcheck.run.comment_usage import assess_comments
@@ -402,6 +402,18 @@ class _UnitAudit:
             "package", replace(package, finder=self.make_finder(folder), is_fully_checked=self.unit.is_explicit)
         )
 
+    def is_left_over(self) -> bool:
+        """Whether the model has errors or warnings and is not used, as far as the project shows. One that is given by its name
+        is used."""
+        source, unit = self.source, self.unit
+        if source is None or unit.is_explicit or unit.launches or self.policy.pedantic or self.policy.is_for_tests:
+            return False
+        if all(finding.severity == Severity.INFO for finding in self.findings):
+            return False
+        from urdfcheck.model.use.left_overs import is_left_over  # reads the files of the project
+
+        return bool(self.run_guarded("left-overs", lambda: is_left_over(source)))
+
     def find_replaced_defaults(self, names: AbstractSet[str]) -> Mapping[str, Path]:
         """Return those of these arguments whose defaults no file that starts the model leaves, each with such a file."""
         source = self.source
@@ -532,6 +544,9 @@ class _UnitAudit:
 
     def build_report(self, seconds: float) -> UnitReport:
         """Hand over what was collected."""
+        if self.is_left_over():
+            self.policy = keep_aside(self.policy, is_left_over=True)
+            self.findings = [mark_cause(f, self.policy) if f.blocks_check else f for f in self.findings]
         named_files = self.read_named_files()
         comments = [
             comment

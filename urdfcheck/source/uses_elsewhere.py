@@ -49,7 +49,7 @@ _MAX_BYTES = 500_000
 _OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 # What authors put where a script, or a person, is to write something.
 _PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]{3,}(?:_[A-Z0-9]+)*|__\w+__|@\w+@|\{[^{}]+\}|%\(?\w+\)?s|<[^<>]+>")
-_SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
+SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
 _FETCHES = re.compile(
     r"\b(?:wget|curl|unzip|git clone|gdown|rsync|cp|mv)\s|\b(?:urlretrieve|snapshot_download|requests\.get)\("
 )
@@ -106,7 +106,7 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
     package = source.package
     mentions = XacroMentions()
     count = 0
-    for folder, package_name in _iter_using_folders(source):
+    for folder, package_name in iter_using_folders(source):
         if package_name and not source.finder.can_open(folder):
             if has_dependency_entry(folder, package_name):
                 return replace(mentions, complete=False)
@@ -184,7 +184,7 @@ def find_includer_of_namesake(source: Source, name: str) -> Path | None:
     argument: the model is a copy of that file, a part that needs what the xacro defines."""
     include = re.compile(rf"""<xacro:include\b[^<>]*filename=["'][^"'>]*/{re.escape(source.path.name)}["']""")
     defined = re.compile(rf"""<xacro:(?:property|arg)\b[^<>]*\bname=["']{re.escape(name)}["']""")
-    files = _iter_project_files(source, (".xacro", ".urdf"))
+    files = iter_project_files(source, (".xacro", ".urdf"))
     return next((path for path, text in files if include.search(text) and defined.search(text)), None)
 
 
@@ -320,13 +320,13 @@ def is_certainly_left_aside(source: Source) -> bool:
         return False
     texts = list(read_project_texts(source))
     names_others = name_other_models_only(texts, source.path.name) and not any(map(COMPUTED_FILE.search, texts))
-    return names_others and not _is_kept_as_source(source)
+    return names_others and not is_kept_as_source(source)
 
 
 @lru_cache(maxsize=1)  # several rules ask
-def _is_kept_as_source(source: Source) -> bool:
+def is_kept_as_source(source: Source) -> bool:
     """Whether xacro made another file here of the model, as the header of that file says."""
-    for folder, package_name in _iter_using_folders(source):
+    for folder, package_name in iter_using_folders(source):
         for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
             if path.suffix.lower() in _INCLUDED_SUFFIXES and source.finder.can_open(path):
                 text = read_text_or_nothing(path, _MAX_BYTES)
@@ -365,7 +365,7 @@ def find_deploying_script(source: Source) -> Path | None:
     if source.package is not None or not source.is_xacro or tree is None or can_have_name(tree):
         return None
     own = compile_names((source.path.name,))
-    return next((path for path, text in _iter_project_files(source, _SCRIPT_SUFFIXES) if own.search(text)), None)
+    return next((path for path, text in iter_project_files(source, SCRIPT_SUFFIXES) if own.search(text)), None)
 
 
 @lru_cache(maxsize=8)  # a model has few such words
@@ -386,7 +386,7 @@ def find_replacing_script(source: Source, typed: str, *, names_model: bool = Fal
         rf"""|\bs([/@|#,!])[^\n]{{0,40}}{whole}"""
     )
     own = compile_names((source.path.name,))
-    for path, text in _iter_project_files(source, (*_SCRIPT_SUFFIXES, ".m")):
+    for path, text in iter_project_files(source, (*SCRIPT_SUFFIXES, ".m")):
         if replacing.search(text) and (not names_model or own.search(text)):
             return path
     return None
@@ -396,7 +396,7 @@ def find_replacing_script(source: Source, typed: str, *, names_model: bool = Fal
 def find_fetching_script(source: Source, folder: str) -> Path | None:
     """Return a script of the project that names a folder outside comments, and downloads, unpacks or copies files."""
     named = re.compile(rf"(?m)^[^#\n]*(?<![\w-]){re.escape(folder)}(?![\w-])")
-    scripts = _iter_project_files(source, _SCRIPT_SUFFIXES)
+    scripts = iter_project_files(source, SCRIPT_SUFFIXES)
     return next((path for path, text in scripts if _FETCHES.search(text) and named.search(text)), None)
 
 
@@ -410,7 +410,7 @@ def find_used_copy(source: Source) -> Path | None:
     if used is None or not source.finder.can_open(used) or not used.is_file():
         return None
     own = compile_names((source.path.name,))
-    for count, (_, text) in enumerate(_iter_project_files(source, _CALLER_SUFFIXES)):
+    for count, (_, text) in enumerate(iter_project_files(source, _CALLER_SUFFIXES)):
         if count >= _MAX_FILES or own.search(text):
             return None
     return used
@@ -432,7 +432,7 @@ def explain_kept_file(source: Source) -> str:
     )
 
 
-def _iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tuple[Path, str]]:
+def iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tuple[Path, str]]:
     """Yield the files of the project whose names end so, in or outside packages, each with its text as far as it can be read."""
     for here, names, files in walk(find_project_folder(source.path)):
         names[:] = [name for name in names if not name.startswith(".")]
@@ -462,7 +462,8 @@ def is_named_nowhere(source: Source) -> bool:
     if source.package is None:
         return False
     inside = Path(os.path.relpath(source.path.absolute(), source.package.path)).as_posix()
-    for folder, package_name in _iter_using_folders(source):
+    built = re.compile(rf"MoveItConfigsBuilder\(\s*(?:robot_name\s*=\s*)?[\"']{re.escape(get_stem(source))}[\"']")
+    for folder, package_name in iter_using_folders(source):
         if package_name and not source.finder.can_open(folder):
             if has_dependency_entry(folder, package_name):
                 return False
@@ -470,18 +471,26 @@ def is_named_nowhere(source: Source) -> bool:
         for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
             if path.absolute() == source.path.absolute() or not source.finder.can_open(path):
                 continue
+            if is_kept_aside(path, source.package):  # what nothing starts starts nothing
+                continue
             try:
                 text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
             except OSError:
                 continue
             if package_name in text and (
                 names_file(drop_comments(text), inside, source.package.name)
+                or built.search(text)
                 or COMPUTED_FILE.search(text)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
                 or (path.suffix.lower() in _INCLUDED_SUFFIXES and _is_made_of(source, path, text))
             ):
                 return False
     return True
+
+
+def get_stem(source: Source) -> str:
+    """Return the name of the model's file without its endings."""
+    return source.path.name.removesuffix(".xacro").removesuffix(".urdf")
 
 
 def is_kept_output(source: Source) -> bool:
@@ -518,7 +527,7 @@ def has_unseen_includes(source: Source) -> bool:
     return False
 
 
-def _iter_using_folders(source: Source) -> Iterator[tuple[Path, str]]:
+def iter_using_folders(source: Source) -> Iterator[tuple[Path, str]]:
     """Yield the folders whose files may use the model's definitions, each with a name that such a file contains."""
     package = source.package
     if package is None:

@@ -143,8 +143,8 @@ class Launch:
 
     @property
     def is_kept_aside(self) -> bool:
-        """Whether it is in a folder of files that are kept and not used, or no text of the package names it and its name says that
-        it is an old state, or an old copy of one beside it: ``car_old.launch``, ``car (copy).launch`` of ``car.launch``."""
+        """Whether it is in a folder of files that are kept and not used, or no text of the package names it and its name says
+        that it is an old state, or an old copy of one beside it: ``car_old.launch``, ``car (copy).launch`` of ``car.launch``."""
         if self.package is None:
             return False
         if is_kept_aside(self.path, self.package):

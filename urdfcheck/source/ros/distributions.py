@@ -16,8 +16,8 @@ _LARGEST = 1_000_000
 
 
 def is_only_before_noetic(finder: PackageFinder) -> bool:
-    """Whether a README of the project, around the start of a finder or of its packages, names ROS before Noetic, and none anything
-    later."""
+    """Whether a README of the project, around the start of a finder or of its packages, names ROS before Noetic, and none
+    anything later."""
     project = find_project_folder(finder.start)
     packages = (folder for folder in finder.list_packages().values() if folder.is_relative_to(project))
     folders = dict.fromkeys([*finder.list_parent_folders(), *packages])

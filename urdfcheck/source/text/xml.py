@@ -51,8 +51,8 @@ class XmlError(Exception):
     """The text is not XML that may be read.
 
     ``reason``: malformed | encoding | declared-encoding | xacro-encoding | xacro-line-break | doctype | too-large | prefix |
-    address. For malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype, whether the
-    declaration is ``plain``, whose entities are texts; for too-large, ``what`` exceeds the limit (bytes | depth |
+    address. For malformed, ``data`` holds the ``repair`` and whether it is ``forgiven`` by lenient parsers; for doctype,
+    whether the declaration is ``plain``, whose entities are texts; for too-large, ``what`` exceeds the limit (bytes | depth |
     attributes | value | parts), the ``limit`` and the number ``found``.
     """
 

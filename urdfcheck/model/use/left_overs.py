@@ -1,0 +1,90 @@
+"""Models that are left in a package and no longer used."""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from urdfcheck.core.text import compile_names
+from urdfcheck.source.load import Source
+from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
+from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.uses_elsewhere import (
+    COMPUTED_FILE,
+    MODEL_FILE,
+    SCRIPT_SUFFIXES,
+    get_stem,
+    is_kept_as_source,
+    is_named_nowhere,
+    iter_project_files,
+    iter_user_texts,
+    iter_using_folders,
+)
+from urdfcheck.source.xacro.file_contents import can_have_name
+from urdfcheck.system.files import read_text_or_nothing, walk
+
+_LARGEST = 500_000
+
+
+def is_left_over(source: Source) -> bool:
+    """Whether no file of the project names the model, and one names another model of its package.
+
+    False without a package, for a piece of a robot, and where one of the files that could name the model computes such a name,
+    or has its name without the ending in quotes. Outside packages only scripts and READMEs are searched.
+    """
+    package = source.package
+    if package is None or _may_be_piece(source) or not is_named_nowhere(source) or is_kept_as_source(source):
+        return False
+    texts = [drop_comments(text) for _, text in iter_user_texts(source)]
+    if any(map(COMPUTED_FILE.search, texts)):
+        return False
+    texts += _read_texts_about_package(source)
+    stem = re.compile(rf"[\"']{re.escape(get_stem(source))}[\"']")
+    if any(map(stem.search, texts)):
+        return False
+    others = _list_model_names(package.path) - {source.path.name}
+    names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
+    return names_another and not _is_named_outside_packages(source)
+
+
+def _may_be_piece(source: Source) -> bool:
+    """Whether the model may be included by a name that is computed: its <robot> has none."""
+    return source.is_part and (source.main_tree is None or not can_have_name(source.main_tree))
+
+
+def _read_texts_about_package(source: Source) -> Iterator[str]:
+    """Yield the texts of other packages that name the model's package."""
+    for folder, package_name in iter_using_folders(source):
+        for _, text in iter_package_texts(folder, source.finder.can_open) if package_name else ():
+            if package_name in text:
+                yield drop_comments(text)
+
+
+def _list_model_names(folder: Path) -> set[str]:
+    """List the names of the files in a package that end as those of models do."""
+    names: set[str] = set()
+    for _, inner, files in walk(folder):
+        inner[:] = [name for name in inner if not name.startswith(".")]
+        names.update(name for name in files if name.endswith((".urdf", ".xacro")))
+    return names
+
+
+def _is_named_outside_packages(source: Source) -> bool:
+    """Whether a script of the project, its README, or that of the package or of the model's folder, names the model's file."""
+    own = compile_names((source.path.name,))
+    tops = {find_project_folder(source.path.absolute()), source.path.absolute().parent}
+    if source.package is not None:
+        tops.add(source.package.path.absolute())
+    readmes = itertools.chain.from_iterable(map(_list_readmes, sorted(tops)))
+    texts = (read_text_or_nothing(path, _LARGEST) for path in readmes if source.finder.can_open(path))
+    scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, ".ipynb")))
+    return any(own.search(text) for text in itertools.chain(texts, scripts))
+
+
+def _list_readmes(folder: Path) -> list[Path]:
+    """List the READMEs in a folder, without those below it."""
+    _, inner, files = next(iter(walk(folder)), ("", [], []))
+    inner.clear()
+    return [folder / name for name in sorted(files) if name.lower().startswith("readme")]
