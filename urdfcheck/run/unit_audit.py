@@ -48,7 +48,7 @@ from urdfcheck.run.source_texts import limit_texts
 from urdfcheck.run.units.unchecked import explain_unchecked, locate_unit, mark_cause, report_stopped_unit
 from urdfcheck.source.load import Source, load_source, read_xacro_source
 from urdfcheck.source.model_role import MODEL, collect_robot_files, find_model_role
-from urdfcheck.source.package.finder import PackageFinder, format_path, load_package
+from urdfcheck.source.package.finder import PackageFinder, format_path, is_kept_aside, load_package
 from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.resources import find_uninstalled_files
@@ -406,9 +406,10 @@ class _UnitAudit:
         """Whether the model has errors or warnings and is not used, as far as the project shows. One that is given by its name
         is used."""
         source, unit = self.source, self.unit
-        if source is None or unit.is_explicit or unit.launches or self.policy.pedantic or self.policy.is_for_tests:
+        if source is None or unit.is_explicit or self.policy.pedantic or self.policy.is_for_tests:
             return False
-        if all(finding.severity == Severity.INFO for finding in self.findings):
+        is_started = not all(is_kept_aside(Path(launch), source.package) for launch in unit.launches)
+        if is_started or all(finding.severity == Severity.INFO for finding in self.findings):
             return False
         from urdfcheck.model.use.left_overs import is_left_over  # reads the files of the project
 
