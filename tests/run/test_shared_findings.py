@@ -287,6 +287,27 @@ class TestModels:
         assert len(found.variants) == 3
         assert len({place.span.file for place in found.related if place.span}) == 2
 
+    @pytest.mark.parametrize(("other", "count"), [("b/r.urdf", 1), ("b/s.urdf", 2)])
+    def test_copies_of_a_model_share_their_findings_and_are_repaired_together(
+        self, tmp_path: Path, other: str, count: int
+    ) -> None:
+        text = robot(link("base"), link("wheel"), joint("j", "bsae", "wheel"))
+        paths = [tmp_path / "a/r.urdf", tmp_path / other]
+        for path in paths:
+            path.parent.mkdir()
+            path.write_text(text)
+        found = find(tmp_path, "KIN002").findings
+        assert len(found) == count
+        assert {model for f in found for model in f.subjects_by_model} == {"a/r.urdf", other}
+        main([str(tmp_path), "--select", "KIN002", "--fix", "--unsafe-fixes"])
+        assert all("bsae" not in path.read_text() for path in paths)
+
+    def test_copies_that_differ_have_findings_of_their_own(self, tmp_path: Path) -> None:
+        for folder, mass in (("a", "-1"), ("b", "-1.0")):
+            (tmp_path / folder).mkdir()
+            (tmp_path / folder / "r.urdf").write_text(robot(link("l", f'<inertial><mass value="{mass}"/></inertial>')))
+        assert len(find(tmp_path, "INR002").findings) == 2
+
     def test_what_a_configuration_judges_otherwise_stays_apart(self, tmp_path: Path) -> None:
         folder = write_robots(tmp_path, FORMULA, a=disc(), c=disc())
         (folder / "second").mkdir()

@@ -37,7 +37,7 @@ from urdfcheck.policy.superseding import drop_superseded, join_explained, list_h
 from urdfcheck.policy.suppression import mark_suppressed
 from urdfcheck.rules import load_rules
 from urdfcheck.run.jobs import Unit, UnitReport
-from urdfcheck.run.shared_findings import merge_across_models, merge_kinds, merge_macro_lines
+from urdfcheck.run.shared_findings import merge_across_models, merge_copies, merge_kinds, merge_macro_lines
 from urdfcheck.run.typed_places import locate_typed_values
 from urdfcheck.source.text.suppression_comments import IgnoreComment
 from urdfcheck.source.text.xml import Element
@@ -253,7 +253,8 @@ def finalize_run_findings(
     findings = mark_unsafe_across_models(findings, _list_users(audited_units))
     units = [unit for unit, _ in audited_units]
     # Last: all before is about single texts, and each occurrence stays what it was.
-    findings = merge_kinds(merge_across_models(findings, units), units)
+    digests = {name: digest for _, report in audited_units for name, digest in report.digests.items()}
+    findings = merge_kinds(merge_copies(merge_across_models(findings, units), units, digests), units)
     sources = {name: source for _, report in audited_units for name, source in report.xacro_sources.items()}
     # Those about several models know which of two files is the source.
     findings = [f if "run" in rules[f.code].scopes else lead_to_xacro(f, sources) for f in findings]

@@ -223,6 +223,8 @@ class UnitReport:
     outline: ModelOutline | None = None
     sources: Mapping[str, str] = field(default_factory=dict)
     """Text of the files with findings."""
+    digests: Mapping[str, str] = field(default_factory=dict)
+    """Digests of the texts of these files, by their names: copies have the same."""
     failures: tuple[str, ...] = ()
     """Failures of urdfcheck itself: they make the exit code 2."""
     reads: Mapping[str, Stamp] = field(default_factory=dict)

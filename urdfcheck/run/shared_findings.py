@@ -73,11 +73,8 @@ def merge_across_models(findings: Iterable[Finding], units: Iterable[Unit]) -> l
     by_id = {unit.id: unit for unit in units}
 
     def get_home(finding: Finding) -> tuple[Any, ...] | None:
-        unit, span = by_id.get(finding.model), finding.location.span
-        if unit is None or finding.is_about_urdfcheck or span is None:
-            return None
-        words = tuple(sorted(finding.message_ids.items()))
-        return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), _list_edits(finding), words
+        home = _get_home(finding, by_id)
+        return None if home is None else (*home, _list_edits(finding))
 
     def get_message_key(finding: Finding) -> tuple[Any, ...] | None:
         home = get_home(finding)
@@ -92,11 +89,54 @@ def merge_across_models(findings: Iterable[Finding], units: Iterable[Unit]) -> l
             return None
         return *home, span, finding.blames_text or _list_value_definitions(finding) or finding.message
 
+    rank = _make_rank(by_id)
+    merged = _merge_groups(_merge_variants(findings, units), get_message_key, rank=rank)
+    return _merge_groups(merged, get_text_key, rank=rank)
+
+
+def merge_copies(findings: Iterable[Finding], units: Iterable[Unit], digests: Mapping[str, str]) -> list[Finding]:
+    """Merge what is found at the same text of files in several folders that are copies: of one name and one content.
+
+    The finding is that of the first model, and its edits repair all copies. ``digests``: of the contents of files, by their names
+    in findings.
+    """
+    by_id = {unit.id: unit for unit in units}
+    number = Counter((name.rpartition("/")[2], digest) for name, digest in digests.items())
+    copied = {key for key, count in number.items() if count > 1}
+
+    def get_key(finding: Finding) -> tuple[Any, ...] | None:
+        home, span = _get_home(finding, by_id), finding.location.span
+        if home is None or span is None:
+            return None
+        content = span.file.rpartition("/")[2], digests.get(span.file, "")
+        return (*home, content, span.start, span.end, finding.subjects) if content in copied else None
+
+    return _merge_groups(findings, get_key, rank=_make_rank(by_id), join=_join_copies)
+
+
+def _join_copies(group: Sequence[Finding], *, rank: Callable[[Finding], tuple[Any, ...]]) -> Finding:
+    """Join findings as `_join_models` does, with the edits of all."""
+    joined = _join_models(group, rank=rank)
+    edits = dict.fromkeys(edit for finding in group for edit in _list_edits(finding))
+    return joined if joined.fix is None else replace(joined, fix=replace(joined.fix, edits=tuple(edits)))
+
+
+def _get_home(finding: Finding, by_id: Mapping[str, Unit]) -> tuple[Any, ...] | None:
+    """Return what findings that become one share, whatever they are about; None for one that stays alone."""
+    unit = by_id.get(finding.model)
+    if unit is None or finding.is_about_urdfcheck or finding.location.span is None:
+        return None
+    words = tuple(sorted(finding.message_ids.items()))
+    return unit.fail_on, unit.baseline_home, finding.suppressed, *_get_claim(finding), words
+
+
+def _make_rank(by_id: Mapping[str, Unit]) -> Callable[[Finding], tuple[Any, ...]]:
+    """Return the order of models: the one with the fewest arguments first."""
+
     def rank(finding: Finding) -> tuple[Any, ...]:
         return len(by_id[finding.model].arguments), finding.model
 
-    merged = _merge_groups(_merge_variants(findings, units), get_message_key, rank=rank)
-    return _merge_groups(merged, get_text_key, rank=rank)
+    return rank
 
 
 def _merge_groups(
@@ -104,8 +144,9 @@ def _merge_groups(
     get_key: Callable[[Finding], tuple[Any, ...] | None],
     *,
     rank: Callable[[Finding], tuple[Any, ...]],
+    join: Callable[..., Finding] | None = None,
 ) -> list[Finding]:
-    """Merge the findings of one key; those with the key None stay as they are."""
+    """Merge the findings of one key; those with the key None stay as they are. ``join``: `_join_models` without one."""
     alone: list[Finding] = []
     groups: dict[tuple[Any, ...], list[Finding]] = {}
     for finding in findings:
@@ -116,7 +157,7 @@ def _merge_groups(
             groups.setdefault(key, []).append(finding)
     for group in groups.values():
         for same in _split_repeated(group):
-            alone.append(same[0] if len(same) == 1 else _join_models(same, rank=rank))
+            alone.append(same[0] if len(same) == 1 else (join or _join_models)(same, rank=rank))
     return alone
 
 

@@ -6,6 +6,7 @@ Only plain data leaves: findings, skips, the model's line in the report and, whe
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import itertools
 import operator
 import os
@@ -614,6 +615,7 @@ class _UnitAudit:
             seams=tuple(self.seams),
             outline=self.outline,
             sources=sources,
+            digests={name: _digest_text(self.texts[name]) for name in named_files if name in self.texts},
             failures=tuple(self.failures),
             comments=usages,
             files=() if self.source is None else tuple(self.source.files),
@@ -667,6 +669,10 @@ class _UnitAudit:
             return read_regular(path).decode("utf-8", "replace")
         except OSError:
             return None
+
+
+def _digest_text(text: str) -> str:
+    return hashlib.blake2b(text.encode("utf-8", "surrogatepass"), digest_size=16).hexdigest()
 
 
 def choose_simulation(policy: Policy, options: AuditOptions) -> str:
