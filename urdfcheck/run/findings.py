@@ -83,8 +83,7 @@ _KEPT_ASIDE = (
     "of old copies and files in folders such as `old` only what stops the check is reported; name the file to see all"
 )
 _LEFT_OVER = (
-    "of a model that no file of the project names, in a package of which it names another one, only what stops the check is "
-    "reported; name the file to see all"
+    "no file of the project names it, and another model is in use or its source; give its path to urdfcheck to see all"
 )
 
 

@@ -8,8 +8,9 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core.text import compile_names
-from urdfcheck.source.load import Source
+from urdfcheck.source.load import Source, read_xacro_source
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
+from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.uses_elsewhere import (
     COMPUTED_FILE,
@@ -29,7 +30,8 @@ _LARGEST = 500_000
 
 
 def is_left_over(source: Source) -> bool:
-    """Whether no file of the project names the model, and one names another model of its package.
+    """Whether no file of the project names the model, and one names another model of its package, or xacro made it of a file that
+    is here.
 
     False without a package, for a piece of a robot, and where one of the files that could name the model computes such a name,
     or has its name without the ending in quotes. Outside packages only scripts and READMEs are searched.
@@ -46,7 +48,13 @@ def is_left_over(source: Source) -> bool:
         return False
     others = _list_model_names(package.path) - {source.path.name}
     names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
-    return names_another and not _is_named_outside_packages(source)
+    return (names_another or _is_made_of_file_here(source)) and not _is_named_outside_packages(source)
+
+
+def _is_made_of_file_here(source: Source) -> bool:
+    """Whether xacro wrote the model, and the file that it was made of is in the project."""
+    written = read_xacro_source(source.files[source.name].text) if source.is_output_of_xacro else None
+    return written is not None and bool(find_files_elsewhere(written, source.path, source.finder))
 
 
 def _may_be_piece(source: Source) -> bool:
