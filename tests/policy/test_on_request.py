@@ -327,7 +327,9 @@ STARTED = "<launch><param name='robot_description' textfile='$(find car)/urdf/ca
         ("p/launch/car.launch.py", "names = ['car.urdf', 'arm']", False),
         ("p/README.md", "check_urdf urdf/arm.urdf", False),
         ("README.md", "check_urdf urdf/arm.urdf", False),
+        ("p/urdf/README", "arm.urdf", False),
         ("tools/show.py", "show('p/urdf/arm.urdf')", False),
+        ("p/src/load.cpp", 'load(folder + "/urdf/arm.urdf");', False),
         ("docs/log.txt", "arm.urdf", True),
         ("other/package.xml", "<package><name>other</name></package>", True),
         ("other/launch/o.launch", "<launch><param name='d' textfile='$(find car)/urdf/arm.urdf'/></launch>", False),
@@ -352,9 +354,7 @@ def test_of_a_model_that_nothing_names_beside_one_that_is_started_errors_are_on_
     run = json.loads(command(".", *common, cwd=tmp_path).stdout)
     assert ("INR002" in {f["code"] for f in run["findings"]}) != is_left_over
     reasons = [skip["reason"] for skip in run["skipped"] if skip["code"] == SkippedCheck.FINDINGS]
-    assert [reason.partition(",")[0] for reason in reasons] == [
-        "no file of the project names it"
-    ] * is_left_over
+    assert [reason.partition(",")[0] for reason in reasons] == ["no file of the project names it"] * is_left_over
     for options in (["-v"], ["--pedantic"]):
         assert "INR002" in command(".", *common, *options, cwd=tmp_path).stdout
     assert "INR002" in {

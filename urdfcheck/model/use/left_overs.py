@@ -27,6 +27,8 @@ from urdfcheck.source.xacro.file_contents import can_have_name
 from urdfcheck.system.files import read_text_or_nothing, walk
 
 _LARGEST = 500_000
+# The endings of programs that may load a model, beside those of scripts.
+_PROGRAMS = (".ipynb", ".m", ".cpp", ".cc", ".cxx", ".hpp", ".h")
 
 
 def is_left_over(source: Source) -> bool:
@@ -34,7 +36,7 @@ def is_left_over(source: Source) -> bool:
     is here.
 
     False without a package, for a piece of a robot, and where one of the files that could name the model computes such a name,
-    or has its name without the ending in quotes. Outside packages only scripts and READMEs are searched.
+    or has its name without the ending in quotes. Outside packages only programs and READMEs are searched.
     """
     package = source.package
     if package is None or _may_be_piece(source) or not is_named_nowhere(source) or is_kept_as_source(source):
@@ -80,14 +82,13 @@ def _list_model_names(folder: Path) -> set[str]:
 
 
 def _is_named_outside_packages(source: Source) -> bool:
-    """Whether a script of the project, its README, or that of the package or of the model's folder, names the model's file."""
-    own = compile_names((source.path.name,))
-    tops = {find_project_folder(source.path.absolute()), source.path.absolute().parent}
-    if source.package is not None:
-        tops.add(source.package.path.absolute())
-    readmes = itertools.chain.from_iterable(map(_list_readmes, sorted(tops)))
+    """Whether a program of the project, or a README in a folder around the model, names the model's file."""
+    own, path = compile_names((source.path.name,)), source.path.absolute()
+    project = find_project_folder(path)
+    around = [folder for folder in path.parents if folder == project or project in folder.parents]
+    readmes = itertools.chain.from_iterable(map(_list_readmes, around))
     texts = (read_text_or_nothing(path, _LARGEST) for path in readmes if source.finder.can_open(path))
-    scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, ".ipynb")))
+    scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, *_PROGRAMS)))
     return any(own.search(text) for text in itertools.chain(texts, scripts))
 
 
