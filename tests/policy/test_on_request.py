@@ -379,3 +379,26 @@ def test_where_no_model_is_named_only_output_of_a_xacro_that_is_here_is_left_ove
         (tmp_path / place).write_text(content, encoding="utf-8")
     found = json.loads(command(".", "--format", "json", "--tier", "source", cwd=tmp_path).stdout)["findings"]
     assert ("INR002" in {f["code"] for f in found}) == (made_of != "urdf/arm.urdf.xacro")
+
+
+@pytest.mark.parametrize(
+    ("script", "is_left_over"),
+    [
+        ("load('car.urdf')", True),
+        ("load('car.urdf', 'arm.urdf')", False),
+        ("load('car.urdf'); load(name + '.urdf')", False),
+        ("load('car.urdf'); glob('*.urdf')", False),
+        ("load('car.urdf', robot='arm')", False),
+        ("", False),
+    ],
+)
+def test_outside_packages_a_model_is_left_over_where_the_project_names_another_one(
+    tmp_path: Path, script: str, is_left_over: bool
+) -> None:
+    (tmp_path / ".git").mkdir()
+    (tmp_path / "robots").mkdir()
+    (tmp_path / "main.py").write_text(script)
+    (tmp_path / "robots/car.urdf").write_text('<robot name="r"><link name="l"/></robot>')
+    (tmp_path / "robots/arm.urdf").write_text(BROKEN)
+    found = json.loads(command(".", "--format", "json", "--tier", "source", cwd=tmp_path).stdout)["findings"]
+    assert ("INR002" in {f["code"] for f in found}) != is_left_over

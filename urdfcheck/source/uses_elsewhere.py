@@ -54,7 +54,7 @@ _FETCHES = re.compile(
     r"\b(?:wget|curl|unzip|git clone|gdown|rsync|cp|mv)\s|\b(?:urlretrieve|snapshot_download|requests\.get)\("
 )
 # Files that hand arguments to a xacro file: launch files, tests and build files.
-_CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
+CALLER_SUFFIXES = (".launch", ".launch.xml", ".py", ".cmake", "CMakeLists.txt", ".yaml", ".yml", ".sh", ".test")
 # Beyond this many files the search stops, and it is unknown which definitions are used.
 _MAX_FILES = 20_000
 
@@ -123,7 +123,7 @@ def collect_outside_mentions(source: Source) -> XacroMentions:
                 continue
             if package_name in text:
                 is_included = path.suffix.lower() in _INCLUDED_SUFFIXES
-                found = _find_mentions(text, is_included, path.name.endswith(_CALLER_SUFFIXES))
+                found = _find_mentions(text, is_included, path.name.endswith(CALLER_SUFFIXES))
                 mentions.names.update(found.names)
                 mentions.macros.update(found.macros)
                 mentions.arguments.update(found.arguments)
@@ -410,7 +410,7 @@ def find_used_copy(source: Source) -> Path | None:
     if used is None or not source.finder.can_open(used) or not used.is_file():
         return None
     own = compile_names((source.path.name,))
-    for count, (_, text) in enumerate(iter_project_files(source, _CALLER_SUFFIXES)):
+    for count, (_, text) in enumerate(iter_project_files(source, CALLER_SUFFIXES)):
         if count >= _MAX_FILES or own.search(text):
             return None
     return used
@@ -544,7 +544,7 @@ def _iter_caller_files(folder: Path, *, deep: bool) -> Iterator[Path]:
         names[:] = [name for name in names if deep and not name.startswith(".")]
         for name in files:
             path = Path(here, name)
-            if (path.suffix.lower() in _INCLUDED_SUFFIXES or name.endswith(_CALLER_SUFFIXES)) and path.is_file():
+            if (path.suffix.lower() in _INCLUDED_SUFFIXES or name.endswith(CALLER_SUFFIXES)) and path.is_file():
                 yield path
 
 

@@ -13,6 +13,7 @@ from urdfcheck.source.package.package_folders import drop_comments, iter_package
 from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.uses_elsewhere import (
+    CALLER_SUFFIXES,
     COMPUTED_FILE,
     MODEL_FILE,
     SCRIPT_SUFFIXES,
@@ -27,30 +28,51 @@ from urdfcheck.source.xacro.file_contents import can_have_name
 from urdfcheck.system.files import read_text_or_nothing, walk
 
 _LARGEST = 500_000
-# The endings of programs that may load a model, beside those of scripts.
+# The endings of programs that may load a model, beside those of scripts; of all files that may name one outside packages, of
+# which so many are read.
 _PROGRAMS = (".ipynb", ".m", ".cpp", ".cc", ".cxx", ".hpp", ".h")
+_NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".xml", ".xacro", ".urdf", ".json", ".sdf", ".world")
+_MOST_FILES = 1_000
+# A program that loads whatever models are in a folder.
+_ALL_MODELS = re.compile(r"\*\.(?:urdf|xacro)\b")
 
 
 def is_left_over(source: Source) -> bool:
-    """Whether no file of the project names the model, and one names another model of its package, or xacro made it of a file that
-    is here.
+    """Whether no file of the project names the model, and one names another model of its package (of the project without one), or
+    xacro made it of a file that is here.
 
-    False without a package, for a piece of a robot, and where one of the files that could name the model computes such a name,
-    or has its name without the ending in quotes. Outside packages only programs and READMEs are searched.
+    False for a piece of a robot, and where one of the files that could name the model computes such a name, or has its name
+    without the ending in quotes. Of what is outside the packages that name the model's, only programs and READMEs are searched.
     """
-    package = source.package
-    if package is None or _may_be_piece(source) or not is_named_nowhere(source) or is_kept_as_source(source):
+    if _may_be_piece(source) or is_kept_as_source(source):
         return False
-    texts = [drop_comments(text) for _, text in iter_user_texts(source)]
-    if any(map(COMPUTED_FILE.search, texts)):
-        return False
-    texts += _read_texts_about_package(source)
+    texts = _read_project_texts(source) if source.package is None else _read_package_texts(source)
     stem = re.compile(rf"[\"']{re.escape(get_stem(source))}[\"']")
     if any(map(stem.search, texts)):
         return False
-    others = _list_model_names(package.path) - {source.path.name}
+    top = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
+    others = _list_model_names(top) - {source.path.name}
     names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
-    return (names_another or _is_made_of_file_here(source)) and not _is_named_outside_packages(source)
+    return (names_another or (bool(texts) and _is_made_of_file_here(source))) and not _is_named_outside_packages(source)
+
+
+def _read_package_texts(source: Source) -> list[str]:
+    """Read the texts that could name a model of a package; none where one names it, or computes such a name."""
+    texts = [drop_comments(text) for _, text in iter_user_texts(source)] if is_named_nowhere(source) else []
+    return [] if any(map(COMPUTED_FILE.search, texts)) else [*texts, *_read_texts_about_package(source)]
+
+
+def _read_project_texts(source: Source) -> list[str]:
+    """Read the texts that could name a model outside packages; none where one names it or computes such a name, and where there
+    are too many."""
+    own, path = compile_names((source.path.name,)), source.path.absolute()
+    texts = []
+    for other, text in itertools.islice(iter_project_files(source, _NAMING), _MOST_FILES):
+        plain = "" if other.absolute() == path else drop_comments(text)
+        if own.search(plain) or COMPUTED_FILE.search(plain) or _ALL_MODELS.search(plain):
+            return []
+        texts.append(plain)
+    return [] if len(texts) == _MOST_FILES else texts
 
 
 def _is_made_of_file_here(source: Source) -> bool:
