@@ -325,6 +325,7 @@ STARTED = "<launch><param name='robot_description' textfile='$(find car)/urdf/ca
         ("p/launch/old/car.launch", STARTED.replace("car.urdf", "arm.urdf"), True),
         ("p/launch/car.launch", STARTED.replace("car.urdf", "$(arg name).urdf"), False),
         ("p/launch/car.launch.py", "names = ['car.urdf', 'arm']", False),
+        ("p/launch/arm.launch", STARTED.replace("car.urdf", "arm.urdf"), False),
         ("p/README.md", "check_urdf urdf/arm.urdf", False),
         ("README.md", "check_urdf urdf/arm.urdf", False),
         ("p/urdf/README", "arm.urdf", False),
@@ -345,6 +346,7 @@ def test_of_a_model_that_nothing_names_beside_one_that_is_started_errors_are_on_
         "p/urdf/car.urdf": '<robot name="r"><link name="l"/></robot>',
         "p/urdf/arm.urdf": BROKEN,
         "other/package.xml": "<package><name>other</name></package>",
+        "other/launch/car.launch": STARTED,
         path: text,
     }
     for place, content in files.items():

@@ -30,7 +30,7 @@ from urdfcheck.system.files import read_text_or_nothing, walk
 _LARGEST = 500_000
 # The endings of programs that may load a model, beside those of scripts; of all files that may name one outside packages, of
 # which so many are read.
-_PROGRAMS = (".ipynb", ".m", ".cpp", ".cc", ".cxx", ".hpp", ".h")
+_PROGRAMS = (".ipynb", ".m", ".cpp", ".cc", ".cxx", ".hpp", ".h", ".cs", ".js", ".jsx", ".ts", ".tsx", ".vue", ".html")
 _NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".xml", ".xacro", ".urdf", ".json", ".sdf", ".world")
 _MOST_FILES = 1_000
 # A program that loads whatever models are in a folder.
@@ -48,17 +48,19 @@ def is_left_over(source: Source) -> bool:
         return False
     texts = _read_project_texts(source) if source.package is None else _read_package_texts(source)
     stem = re.compile(rf"[\"']{re.escape(get_stem(source))}[\"']")
-    if any(map(stem.search, texts)):
+    if not texts or any(map(stem.search, texts)):
         return False
     top = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
     others = _list_model_names(top) - {source.path.name}
     names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
-    return (names_another or (bool(texts) and _is_made_of_file_here(source))) and not _is_named_outside_packages(source)
+    return (names_another or _is_made_of_file_here(source)) and not _is_named_outside_packages(source)
 
 
 def _read_package_texts(source: Source) -> list[str]:
     """Read the texts that could name a model of a package; none where one names it, or computes such a name."""
-    texts = [drop_comments(text) for _, text in iter_user_texts(source)] if is_named_nowhere(source) else []
+    if not is_named_nowhere(source):
+        return []
+    texts = [drop_comments(text) for _, text in iter_user_texts(source)]
     return [] if any(map(COMPUTED_FILE.search, texts)) else [*texts, *_read_texts_about_package(source)]
 
 
