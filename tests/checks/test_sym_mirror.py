@@ -946,6 +946,34 @@ def test_joints_that_follow_another_are_not_compared(tmp_path: Path) -> None:
     assert not find_mirror_defects(tmp_path, robot)
 
 
+def follow(robot: Robot, follower: str, leader: str) -> Robot:
+    """Let one joint mimic another."""
+    robot = copy.deepcopy(robot)
+    joint = robot.find(f"joint[@name='{follower}']")
+    assert joint is not None
+    ET.SubElement(joint, "mimic", joint=leader)
+    return robot
+
+
+@pytest.mark.parametrize("drawn", [True, False])
+@pytest.mark.parametrize(("follower", "leader", "found"), [("left", "right", False), ("right", "left", True)])
+def test_the_drive_of_two_joints_may_be_booked_on_the_side_that_leads(
+    tmp_path: Path, follower: str, leader: str, found: bool, drawn: bool
+) -> None:
+    robot = heavier(ROBOT if drawn else strip_drawings(ROBOT), "right_hand", 1.5)
+    robot = follow(robot, f"{follower}_hand_joint", f"{leader}_hand_joint")
+    assert bool(find_mirror_defects(tmp_path, robot)) == found
+
+
+def test_a_joint_with_two_limits_is_left_to_another_rule(tmp_path: Path) -> None:
+    robot = with_(copy.deepcopy(ROBOT), "joint[@name='right_hand_joint']/limit", effort="1")
+    assert one(tmp_path / "one", robot).message_id == "limits_pair"
+    joint = robot.find("joint[@name='right_hand_joint']")
+    assert joint is not None
+    ET.SubElement(joint, "limit", lower="-1", upper="1", effort="30", velocity="3")
+    assert not find_mirror_defects(tmp_path / "two", robot)
+
+
 def test_a_placeholder_beside_a_computed_tensor_is_the_wrong_one(tmp_path: Path) -> None:
     six = dict(zip(SIX, ("0.001", "0", "0", "0.001", "0", "0.001"), strict=True))
     finding = one(tmp_path, with_(ROBOT, f"{RIGHT}/inertia", **six))
@@ -1154,17 +1182,22 @@ def test_a_com_that_only_one_side_has_is_missing_on_the_other(tmp_path: Path, si
     assert finding.location.subject.startswith(f"link[{side.partition(chr(39))[2].partition(chr(39))[0]}]")
 
 
-def test_typed_tensors_of_two_fingers_that_are_a_power_of_ten_apart_have_no_cause(tmp_path: Path) -> None:
-    """INR009 names none of numbers that were made up, so that it explains nothing either."""
+@pytest.mark.parametrize(("kind", "severity"), [("continuous", Severity.WARNING), ("prismatic", Severity.INFO)])
+def test_typed_tensors_of_two_fingers_that_are_a_power_of_ten_apart_have_no_cause(
+    tmp_path: Path, kind: str, severity: Severity
+) -> None:
+    """INR009 names none of numbers that were made up, so that it explains nothing either. Where nothing turns them, the tensors
+    change nothing."""
     shape = '<visual><geometry><box size="0.03 0.01 0.01"/></geometry></visual>'
     fingers = "".join(
         f'<link name="{side}_finger"><inertial><mass value="1"/><inertia ixx="{typed}" ixy="0" ixz="0" iyy="{typed}" iyz="0" '
         f'izz="{typed}"/></inertial>{shape}</link>'
-        f"{joint(f'{side}_joint', 'palm', f'{side}_finger', kind='prismatic', xyz=f'0 {y} 0', axis=f'0 {y} 0')}"
+        f"{joint(f'{side}_joint', 'palm', f'{side}_finger', kind=kind, xyz=f'0 {y} 0', axis=f'0 {y} 0')}"
         for side, y, typed in (("left", 0.02, 0.01), ("right", -0.02, 1))
     )
     finding = one(tmp_path, ET.fromstring(f'<robot name="r"><link name="palm"/>{fingers}</robot>'))
-    assert (finding.message_id, finding.cause, finding.severity) == ("both", None, Severity.WARNING)
+    assert (finding.message_id, finding.cause, finding.severity) == ("both", None, severity)
+    assert finding.consequences["pinocchio"].startswith("loads it") == (kind == "prismatic")
 
 
 def test_marks_that_are_where_there_is_room_do_not_hide_the_plane_of_the_wheels(tmp_path: Path) -> None:

@@ -60,6 +60,7 @@ from urdfcheck.model.likeness.mirrored_joints import (
     MismatchedLimit,
     are_limits_measured,
     are_moved_apart,
+    find_leading_link,
     find_mismatched_limit,
     find_pair_joints,
     find_spin_axis,
@@ -111,6 +112,7 @@ _NO_DRIVE = 1e4
 # What programs do with an axis about which the limits leave no room.
 _UNMOVED = dict.fromkeys(("pinocchio", "gazebo", "mujoco"), "loads it: the limits leave the joints no room")
 _FREED = {"mujoco": "ignores equal limits: the joints turn about these axes"}
+_NOT_TURNED = "loads it: no joint turns either link, so their tensors change nothing"
 # From so many joints on, the wrong limits of one chain have one cause.
 MIN_CHAIN_JOINTS = 3
 ONE_SIDE_RELATIONS = {
@@ -211,6 +213,9 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     if why.cause not in CONTRADICTIONS and _is_explained_by_one_side(model, pair):
         return None
     cause = why.cause
+    if cause is None and wrong is None and _may_hold_drive(model, pair, both[1].deviation, note):
+        return None
+    is_unfelt = _is_tensor_unfelt(model, pair, deviation, note)
     # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
     barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
     is_barred = wrong is not None and any(one.link is side.link for one in barred)
@@ -240,7 +245,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
         "related": [_locate_difference(model, side.twin, shown.deviation, note=note)],
         "cause": cause,
-        "severity": shares.choose_severity(share, pair, cause),
+        "severity": Severity.INFO if is_unfelt else shares.choose_severity(share, pair, cause),
         "consequences": _describe_consequences(model, pair, deviation, note),
     }
     if wrong is None:
@@ -253,7 +258,8 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if repair in {_COMPUTE_BOTH_COMS, _COMPUTE_BOTH_INERTIALS}:
             # Neither was right before it was copied.
             cause = cause if why.is_slip else None
-            place |= {"cause": cause, "severity": shares.choose_severity(share, pair, cause)}
+            severity = Severity.INFO if is_unfelt else shares.choose_severity(share, pair, cause)
+            place |= {"cause": cause, "severity": severity}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)
     if written is not None and deviation.com_offset > note and _has_com_outside(model, side.twin):
@@ -489,9 +495,31 @@ def _describe_consequences(
 ) -> dict[str, str] | None:
     """Return what programs do where that is less than the page says; None where it is not."""
     has_weight = max(deviation.mass, deviation.com_offset) > note
+    if _is_tensor_unfelt(model, pair, deviation, note):
+        return dict.fromkeys(("pinocchio", "gazebo"), _NOT_TURNED)
     if not are_moved_apart(model, pair):
         return dict.fromkeys(("pinocchio", "gazebo"), _OFF_PLANE if has_weight else _SKEW_TENSOR)
     return None if has_weight else {"pinocchio": _MASS_MATRIX}
+
+
+def _is_tensor_unfelt(model: Model, pair: MirrorPair, deviation: InertialDeviation, note: float) -> bool:
+    """Whether only the tensors of two sides differ, and joints move both without turning either."""
+    if max(deviation.mass, deviation.com_offset) > note:
+        return False
+    moved = [
+        {joint.type for joint in model.tree.find_path_to(name) if joint.is_movable} for name in (pair.one, pair.other)
+    ]
+    return all(types == {"prismatic"} for types in moved)
+
+
+def _may_hold_drive(model: Model, pair: MirrorPair, deviation: InertialDeviation, note: float) -> bool:
+    """Whether one side leads the joint of the other (``<mimic>``) and is heavier: the one drive of both may be booked there."""
+    leader = find_leading_link(model, pair)
+    if leader is None or deviation.mass <= note:
+        return False
+    led = pair.other if leader == pair.one else pair.one
+    masses = [model.mass_by_name[name].mass or 0.0 for name in (leader, led) if name in model.mass_by_name]
+    return len(masses) == 2 and masses[0] > masses[1]
 
 
 def _are_shifted_drawings(pair: MirrorPair, side: PairSide) -> bool:
@@ -611,6 +639,8 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
     if sides is None:
         return None
     deviation, slip, note = sides.deviation, sides.slip, shares.note
+    if not sides.is_explained and _may_hold_drive(model, pair, deviation, note):
+        return None
     is_slip = slip is not None or sides.lost is not None
     share = max(deviation.worst, shares.differ) if is_slip else deviation.worst
     # Without a cause, a few percent are two exports, and sides that nothing shows to be one part may be two.
@@ -624,7 +654,7 @@ def _compare_principal_moments(model: Model, rule: Rule, pair: MirrorPair, *, sh
         "moments",
         at=_locate_difference(model, sides.wrong, deviation, note=note),
         related=[_locate_difference(model, sides.right, deviation, note=note)],
-        severity=Severity.INFO if is_doubtful else severity,
+        severity=Severity.INFO if is_doubtful or _is_tensor_unfelt(model, pair, deviation, note) else severity,
         consequences=_describe_consequences(model, pair, deviation, note),
         cause=_name_unrelated_cause(sides),
         factor=f"{sides.ratio:,.0f}",
@@ -742,6 +772,7 @@ def _compare_limits(
         for pair in _skip_repeated_pairs(pairs)
         if (mismatch := find_mismatched_limit(model, pair, known_pairs=pairs, threshold=shares.note)) is not None
         and not (mismatch.is_axis_negated and {mismatch.joint.name, mismatch.twin.name} & misplaced)
+        and not any(map(_has_other_limits, (mismatch.joint, mismatch.twin)))
     ]
     if mismatches and are_limits_measured(model, pairs):
         # Each joint was calibrated: twins differ by little in all of them.
@@ -751,6 +782,12 @@ def _compare_limits(
             yield from (_build_limits_finding(rule, mismatch, shares) for mismatch in chain)
         else:
             yield _build_chain_finding(model, rule, chain, shares=shares)
+
+
+def _has_other_limits(joint: Joint) -> bool:
+    """Whether a joint has several ``<limit>`` that differ: XML006 reports that, and any of them may be meant."""
+    limits = joint.element.find_children("limit")
+    return len({tuple(sorted((a.name, a.value) for a in limit.attributes.values())) for limit in limits}) > 1
 
 
 def _skip_repeated_pairs(pairs: Iterable[MirrorPair]) -> Iterator[MirrorPair]:

@@ -110,6 +110,16 @@ def find_pair_joints(model: Model, pair: MirrorPair) -> tuple[Joint, Joint] | No
     return one, other
 
 
+def find_leading_link(model: Model, pair: MirrorPair) -> str | None:
+    """Return the link of a pair whose joint that of the other link follows (``<mimic>``): one drive moves both."""
+    one, other = (model.tree.parent_joint.get(name) for name in (pair.one, pair.other))
+    for leader, joint in ((one, other), (other, one)):
+        mimic = None if joint is None else joint.mimic
+        if leader is not None and mimic is not None and mimic.get("joint") == leader.name:
+            return leader.child
+    return None
+
+
 def find_spin_axis(model: Model, pair: MirrorPair, link: str) -> Array | None:
     """Return the unit axis (3,), in the frame of a ``link`` of the pair, about which its joint turns without limits, as the other
     link's does: which angle is zero is then of no consequence. None where either is held or limited."""
