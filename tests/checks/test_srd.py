@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 import pytest
-from builders import find, robot
+from builders import find, joint, limit, link, robot
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -295,6 +295,26 @@ def test_a_chain_leads_down(tmp_path: Path, base: str, tip: str, message: str | 
 def test_a_virtual_joint_moves_the_root(tmp_path: Path, kind: str, reported: bool) -> None:
     joint = f'<virtual_joint name="v" type="{kind}" parent_frame="odom" child_link="upper"/>'
     assert ids(find_with_srdf(tmp_path, GROUP + joint)) == (["virtual-not-root"] if reported else [])
+
+
+@pytest.mark.parametrize(
+    ("frame", "kind", "repair", "effect"),
+    [
+        ("odom", "fixed", 'write child_link="base", or delete', "does not move in the world"),
+        ("odom", "revolute", "if the robot is to move by slide; otherwise write", "cart moves by slide only"),
+        ("base", "revolute", "delete the virtual joint, and its name in groups", "cart moves by slide only"),
+    ],
+)
+def test_a_virtual_joint_is_needless_where_the_robot_has_joints_that_move_it(
+    tmp_path: Path, frame: str, kind: str, repair: str, effect: str
+) -> None:
+    cart = link("base") + link("cart") + joint("slide", "base", "cart", limit(-1, 1), kind=kind)
+    srdf = f'<virtual_joint name="v" type="planar" parent_frame="{frame}" child_link="cart"/>'
+    (finding,) = find_with_srdf(tmp_path, srdf, arm=cart)
+    assert finding.fix is not None
+    assert repair in finding.fix.title
+    assert bool(finding.fix.edits) == (kind == "fixed")
+    assert effect in finding.consequences["moveit"]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import find_only_near_name, format_name_hint
+from urdfcheck.core.text import find_only_near_name, format_name_hint, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.likeness.sibling_robots import PackageNames, package_names
 from urdfcheck.model.motion.planning_limits import collect_group_joints
@@ -305,17 +305,27 @@ def _check_virtual_joints(model: Model, rule: Rule, srdf: Srdf) -> Iterator[Find
         moves = joint.get("type").strip().lower() in {"planar", "floating"}
         if child is None or not moves or child.value.strip() not in model.link_by_name:
             continue
-        root = model.tree.order[0]
-        if child.value.strip() != root:
-            yield rule.finding(
-                "virtual-not-root",
-                at=child,
-                severity=Severity.WARNING,
-                edits=build_replacement_edits([child], root),
-                joint=joint.get("name"),
-                child=child.value.strip(),
-                root=root,
-            )
+        root, name = model.tree.order[0], child.value.strip()
+        if name == root:
+            continue
+        moving = join_names(j.name for j in model.tree.find_path_to(name) if j.is_movable)
+        is_world = root == joint.get("parent_frame").strip()
+        repair, write = "delete the virtual joint, and its name in groups", f'write child_link="{root}"'
+        if moving and not is_world:
+            repair += f", if the robot is to move by {moving}; otherwise {write}"
+        elif not is_world:
+            repair = f"{write}, or delete the virtual joint if {name} does not move in the world"
+        yield rule.finding(
+            "virtual-not-root",
+            at=child,
+            severity=Severity.WARNING,
+            edits=() if moving or is_world else build_replacement_edits([child], root),
+            consequences={"moveit": f"ignores the virtual joint: {name} moves by {moving} only"} if moving else None,
+            joint=joint.get("name"),
+            child=name,
+            root=root,
+            repair=repair,
+        )
 
 
 def _find_partly_unknown_groups(model: Model, srdf: Srdf) -> set[str]:
