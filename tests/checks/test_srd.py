@@ -521,6 +521,33 @@ def test_a_continuous_joint_takes_no_position_limit(tmp_path: Path) -> None:
     assert ids(find_with_srdf(tmp_path, GROUP, "SRD003", arm, limits)) == ["continuous"]
 
 
+@pytest.mark.parametrize("kind", ["revolute", "continuous"])
+def test_a_copy_in_which_a_joint_lost_its_range_is_to_blame(tmp_path: Path, kind: str) -> None:
+    """MoveIt's Setup Assistant writes a copy of the model for Gazebo beside the limits."""
+    turning = ARM.replace('name="elbow" type="revolute"', 'name="elbow" type="continuous"')
+    files = {
+        "package.xml": "<package><name>arm</name></package>",
+        "urdf/arm.urdf": robot(ARM if kind == "revolute" else turning, name="arm"),
+        "config/gazebo_arm.urdf": robot(turning, name="arm"),
+        "config/arm.srdf": robot(GROUP, name="arm"),
+        "config/joint_limits.yaml": "joint_limits: {elbow: {max_position: 1.0}}",
+    }
+    (tmp_path / "arm").mkdir()
+    write_setup(tmp_path / "arm", "arm/urdf/arm.urdf")
+    (finding,) = find(tmp_path / "arm", files, "SRD003", name="config/gazebo_arm.urdf")
+    assert finding.message_id == ("continuous-copy" if kind == "revolute" else "continuous")
+    assert finding.location.span is not None
+    file = finding.location.span.file
+    assert Path(file).name == ("gazebo_arm.urdf" if kind == "revolute" else "joint_limits.yaml")
+
+
+def test_ros_2_reads_no_limits_of_joints_that_the_robot_lacks(tmp_path: Path) -> None:
+    tool = "<buildtool_depend>ament_cmake</buildtool_depend>"
+    (tmp_path / "package.xml").write_text(f"<package><name>arm</name>{tool}</package>")
+    limits = "joint_limits:\n  claw: {max_velocity: 1, has_velocity_limits: true}\n"
+    assert not find_with_srdf(tmp_path, GROUP, "SRD003", limits=limits)
+
+
 @pytest.mark.parametrize(
     ("tool", "flag", "reported"),
     [

@@ -93,6 +93,9 @@ def test_names_without_the_prefix_of_the_robot(tmp_path: Path) -> None:
     }
     (finding,) = find(tmp_path / "arm", files, "SRD005", name="urdf/arm.urdf")
     assert (finding.message_id, finding.data["prefix"]) == ("prefix", "a_")
+    # A file beside it that names the joints is the robot's: the other one is of another robot.
+    files["config/dual_joint_limits.yaml"] = f"joint_limits:\n{limit('a_shoulder')}{limit('a_elbow')}"
+    assert not find(tmp_path / "dual", files, "SRD005", name="urdf/arm.urdf")
 
 
 def test_another_target_makes_it_a_note(tmp_path: Path) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Sequence
 
 from urdfcheck.core import Finding, Location, Rule, Severity
 from urdfcheck.core.text import find_nearest_name, format_name_hint
@@ -15,9 +16,12 @@ from urdfcheck.model.motion.planning_limits import (
     load_joint_limits,
 )
 from urdfcheck.model.parts import Joint
+from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.ros.joint_limits import JointLimits
-from urdfcheck.source.ros.srdf import Srdf
+from urdfcheck.source.ros.srdf import Srdf, find_original_model
 from urdfcheck.source.ros.yaml_files import find_yaml_error
+from urdfcheck.source.text.yaml.values import YamlValue
+from urdfcheck.system.files import read_text_or_nothing
 
 # ROS 2 reads these as floating-point numbers, and rejects integers; some only if the flag beside them is set.
 _DOUBLES = {
@@ -46,11 +50,13 @@ def check(model: Model, rule: Rule, *, rel_tol: float) -> Iterator[Finding]:
         package = model.source.finder.find_package_of(srdf.path.absolute())
         is_ros2 = package is not None and package.depends_on_ament
         if is_ros2:
-            yield from _check_integer_values(rule, limits)
+            # MoveIt asks for the limits of the joints that it has.
+            own = model.joint_by_name.keys() | srdf.virtual_joints
+            yield from _check_integer_values(rule, [e for e in limits if e.joint.text.partition("/")[0] in own])
         for entry in limits:
             joint = model.joint_by_name.get(entry.joint.text)
             if joint is not None and joint.mimic is None:
-                yield from _check_position_limits(rule, entry, joint, rel_tol=rel_tol)
+                yield from _check_position_limits(model, rule, srdf, entry, joint, rel_tol=rel_tol)
                 if not is_ros2 or entry.is_on("has_velocity_limits"):  # MoveIt 2 reads the number only beside the flag
                     yield from _check_velocity_limit(rule, entry, joint, rel_tol=rel_tol)
 
@@ -72,7 +78,7 @@ def _check_unknown_joints(
         yield rule.finding("unknown", at=entry.joint, edits=edits, joint=name, near=format_name_hint(name, unused))
 
 
-def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...]) -> Iterator[Finding]:
+def _check_integer_values(rule: Rule, limits: Sequence[JointLimits]) -> Iterator[Finding]:
     """Report all numbers without a decimal point, which a node of ROS 2 rejects, together."""
     typed = [
         value
@@ -93,13 +99,15 @@ def _check_integer_values(rule: Rule, limits: tuple[JointLimits, ...]) -> Iterat
         )
 
 
-def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, *, rel_tol: float) -> Iterator[Finding]:
+def _check_position_limits(
+    model: Model, rule: Rule, srdf: Srdf, entry: JointLimits, joint: Joint, *, rel_tol: float
+) -> Iterator[Finding]:
     low, high = entry.get_number("min_position"), entry.get_number("max_position")
     at = entry.get_setting("max_position") or entry.get_setting("min_position")
     if at is None:
         return
     if joint.type == "continuous":
-        yield rule.finding("continuous", at=at, joint=joint.name)
+        yield _build_continuous_finding(model, rule, srdf, joint, at=at)
         return
     if low is not None and high is not None and low >= high:
         yield rule.finding("inverted", at=at, joint=joint.name, low=low, high=high)
@@ -123,6 +131,26 @@ def _check_position_limits(rule: Rule, entry: JointLimits, joint: Joint, *, rel_
                 bound=bound,
                 source=known.source,
             )
+
+
+def _build_continuous_finding(model: Model, rule: Rule, srdf: Srdf, joint: Joint, *, at: YamlValue) -> Finding:
+    """Report position limits of a continuous joint: where the model is a copy, and the joint has a range in the file that the
+    configuration was made for, the limits are right and the copy is not."""
+    original = find_original_model(srdf, model.source)
+    text = "" if original is None else read_text_or_nothing(original)
+    named = rf'<joint\b(?=[^<>]*\bname="{re.escape(joint.name)}")[^<>]*\btype="(\w+)"'
+    kinds = set(re.findall(named, text))
+    if original is None or not kinds or not kinds <= {"revolute", "prismatic"}:
+        return rule.finding("continuous", at=at, joint=joint.name)
+    return rule.finding(
+        "continuous-copy",
+        at=joint.element.attributes["type"],
+        related=[at],
+        joint=joint.name,
+        kind=kinds.pop(),
+        copy=model.source.name,
+        original=format_path(original),
+    )
 
 
 def _check_velocity_limit(rule: Rule, entry: JointLimits, joint: Joint, *, rel_tol: float) -> Iterator[Finding]:

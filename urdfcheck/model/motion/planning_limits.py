@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
@@ -33,8 +33,18 @@ def list_own_srdfs(model: Model) -> list[Srdf]:
 
 
 def load_joint_limits(model: Model, srdf: Srdf) -> tuple[JointLimits, ...]:
-    """Load the limits beside a semantic description."""
-    return read_joint_limits(srdf.path.parent / LIMITS_FILE, model.source.finder)
+    """Load the limits beside a semantic description; none if they are another robot's, and this one has a file of its own."""
+    folder, finder = srdf.path.parent, model.source.finder
+    limits = read_joint_limits(folder / LIMITS_FILE, finder)
+    if limits and not _name_joints(model, limits):
+        others = (path for path in sorted(folder.glob(f"*{LIMITS_FILE}")) if path.name != LIMITS_FILE)
+        if any(_name_joints(model, read_joint_limits(path, finder)) for path in others):
+            return ()
+    return limits
+
+
+def _name_joints(model: Model, limits: Iterable[JointLimits]) -> bool:
+    return any(entry.joint.text in model.joint_by_name for entry in limits)
 
 
 def collect_group_joints(model: Model, srdf: Srdf) -> dict[str, frozenset[str]]:
