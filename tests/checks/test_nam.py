@@ -98,6 +98,26 @@ class TestNAM001:
         assert (finding.message_id, finding.severity) == ("space", severity)
 
     @pytest.mark.parametrize(
+        ("name", "script", "targets", "severity"),
+        [
+            ("my arm", "rviz2", (), Severity.INFO),
+            ("my arm", "rviz2", ("isaac",), Severity.WARNING),
+            ("my arm", "from isaacsim import SimulationApp", (), Severity.WARNING),
+            ("my_arm ", "rviz2", (), Severity.WARNING),
+        ],
+    )
+    def test_blanks_inside_names_matter_to_usd(
+        self, tmp_path: Path, name: str, script: str, targets: tuple[str, ...], severity: Severity
+    ) -> None:
+        files = {
+            "package.xml": "<package><name>p</name></package>",
+            "r.urdf": f'<robot name="r"><link name="{name}"/></robot>',
+            "start.py": script,
+        }
+        (finding,) = find(tmp_path, files, "NAM001", name="r.urdf", targets=targets)
+        assert (finding.message_id, finding.severity) == ("space", severity)
+
+    @pytest.mark.parametrize(
         ("name", "message", "severity"),
         [
             ("", "empty", Severity.WARNING),

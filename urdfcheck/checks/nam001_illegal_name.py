@@ -10,10 +10,14 @@ from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import join_names, spell_breaks
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.use.gazebo_starts import is_only_made_into_sdf
+from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.source.model_file import EXPRESSION
 
 # The names of prims in USD.
 _IDENTIFIER = re.compile(r"[A-Za-z_]\w*", re.ASCII)
+
+# Programs that make USD of a robot, and files in USD, as manifests, launch files and scripts name them.
+_USD = re.compile(r"isaac|\bpxr\b|urdf[-_]usd|import newton|\.usd[acz]?\b", re.IGNORECASE).search
 
 
 def _has_break(name: str) -> bool:
@@ -51,8 +55,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for message, usual, is_wrong in _KINDS:
         severity = usual
         wrong = [part for part in named if is_wrong(part.name, isinstance(part, Link))]
-        if message == "space" and not any(isinstance(part, Link) or part.is_movable for part in wrong):
-            severity = Severity.INFO  # no program commands a fixed joint by its name
+        if message == "space" and wrong and not _are_blanks_felt(model, wrong):
+            severity = Severity.INFO
         if message == "leading_slash" and wrong and is_only_made_into_sdf(model):
             severity = Severity.INFO  # no program publishes the frames
         behind = {id(part) for part in wrong if message == "leading_slash" and _find_typed_slash(part) is not None}
@@ -79,6 +83,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             name=name,
             identifier=re.sub(r"^(?=\d)", "_", re.sub(r"\W", "_", name, flags=re.ASCII)),
         )
+
+
+def _are_blanks_felt(model: Model, parts: Sequence[Link | Joint]) -> bool:
+    """Whether blanks in these names may harm: no program commands a fixed joint by its name, and blanks inside a name are changed
+    by what makes USD of the robot only, which its project would name. Blanks at an end are slips: the SRDF loses them."""
+    if not any(isinstance(part, Link) or part.is_movable for part in parts):
+        return False
+    if any(part.name != part.name.strip() for part in parts) or model.source.package is None:
+        return True
+    return any(map(_USD, list_project_texts(model)))
 
 
 def _build_findings(
