@@ -517,6 +517,7 @@ def test_a_root_without_mass_takes_the_whole_model_with_it(tmp_path: Path, text:
         ("<launch>gazebo_ros</launch>", Severity.WARNING),
         ("<launch>rviz other.urdf</launch>", Severity.INFO),
         ("<launch>rviz r.urdf</launch>", Severity.INFO),
+        ("use_gazebo: false", Severity.INFO),  # a setting of MoveIt Servo
     ],
 )
 def test_a_robot_that_nothing_gives_to_gazebo_may_vanish_there(tmp_path: Path, launch: str, severity: Severity) -> None:

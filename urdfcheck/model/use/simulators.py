@@ -20,8 +20,8 @@ SIMULATOR = re.compile(
     r"|mujoco|pybullet|pydrake|isaac(?:sim|lab|gym|_)|webots|coppelia|raisim",
     re.IGNORECASE,
 )
-# Gazebo of either kind, as they name it.
-GAZEBO = re.compile(r"gazebo|ros_gz|ros_ign|gz_sim|gzserver")
+# Gazebo of either kind, as they name it; MoveIt Servo has a setting `use_gazebo: false`.
+GAZEBO = re.compile(r"gazebo(?!:\s*false)|ros_gz|ros_ign|gz_sim|gzserver")
 _MJCF = re.compile(r"\s*(?:<\?xml[^>]*>\s*)?<mujoco\b")
 # A model of MuJoCo's own, as launch files and scripts name it.
 _SCENE = re.compile(r"(?<![\w-])(?!package\.)[\w-]+\.xml\b")
