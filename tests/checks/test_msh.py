@@ -228,6 +228,29 @@ def test_a_material_that_the_file_lacks_is_named(tmp_path: Path) -> None:
     assert finding.fix.title
 
 
+@pytest.mark.parametrize(
+    ("script", "severity"), [("", Severity.WARNING), ("rviz2", Severity.INFO), ("import trimesh", Severity.WARNING)]
+)
+def test_a_material_that_the_file_lacks_concerns_readers_by_pycollada(
+    tmp_path: Path, script: str, severity: Severity
+) -> None:
+    """Assimp is not asked where a node stands for another; MuJoCo and Drake read no COLLADA, whole or not."""
+    bound = (
+        '<instance_geometry url="#g"><bind_material><technique_common><instance_material symbol="m" target="#other"/>'
+        '</technique_common></bind_material></instance_geometry><instance_node url="#n"/>'
+    )
+    text = collada(1.0, 1.0).replace('<instance_geometry url="#g"/>', bound)
+    nodes = '<library_nodes><node id="n"/></library_nodes><library_visual_scenes>'
+    files = {"part.dae": text.replace("<library_visual_scenes>", nodes)}
+    if script:
+        files |= {"package.xml": "<package><name>p</name></package>", "start.py": script}
+    (finding,) = find(
+        tmp_path, {"r.urdf": robot(link("a", shape("visual", "part.dae"))), **files}, "MSH001", name="r.urdf"
+    )
+    assert (finding.message_id, finding.severity) == ("partial", severity)
+    assert set(finding.consequences) == {"newton", "trimesh", "yourdfpy"}
+
+
 def test_an_accessor_that_counts_too_many_vectors_has_no_repair_by_a_number(tmp_path: Path) -> None:
     content = collada(1.0, 1.0).replace('source="#a" count="4"', 'source="#a" count="5"')
     finding = find_broken(tmp_path, "part.dae", content)

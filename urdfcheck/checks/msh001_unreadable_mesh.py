@@ -10,6 +10,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.facts.mesh.decode_limits import NOT_VECTORS, MeshError
 from urdfcheck.model import Link, Model
 from urdfcheck.model.meshes import MeshUse
+from urdfcheck.model.use.other_programs import names_unitless_program
 from urdfcheck.model.use.test_files import is_of_tests
 from urdfcheck.source.text.engine_reactions import describe_unread_visuals, describe_unreadable_mesh, name_lost_shapes
 
@@ -74,9 +75,11 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             )
             yield replace(finding, data={**finding.data, "unproven": _list_unproven(rule, finding, error)})
         elif facts is not None and facts.flaw is not None:
-            message = {"refuses": "refused", "loads": "tolerated"}.get(facts.assimp, "broken")
+            message = {"refuses": "refused", "loads": "tolerated"}.get(facts.assimp, "partial")
             only_image = message == "tolerated" and _MISSING_IMAGE in facts.flaw
-            severity = None if message == "refused" else Severity.INFO if only_image else Severity.WARNING
+            # Who reads COLLADA with pycollada is among the programs that ignore its unit.
+            is_note = only_image or (message == "partial" and not names_unitless_program(model))
+            severity = None if message == "refused" else Severity.INFO if is_note else Severity.WARNING
             repair = _describe_repair(facts.flaw, "flaw")
             yield _build_finding(rule, uses, message, facts.flaw, reason_id="flaw", severity=severity, repair=repair)
 
