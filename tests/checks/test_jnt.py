@@ -637,6 +637,23 @@ def test_a_sign_too_much_is_named_where_the_other_sign_fits(tmp_path: Path, own:
     assert finding.fix.title.startswith(repair)
 
 
+@pytest.mark.parametrize(
+    ("axis", "place", "repair"),
+    [
+        ("0 1 0", "0 -0.02 0", "set the limits of j to -1 … 0 m: the two are beside each other"),
+        ("0 -1 0", "0 -0.02 0", 'write multiplier="1"'),
+        ("0 1 0", "0 0.02 0.1", 'write multiplier="1"'),
+    ],
+)
+def test_fingers_that_slide_apart_have_the_right_sign(tmp_path: Path, axis: str, place: str, repair: str) -> None:
+    span = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
+    follower = joint("j", "a", "b", span, '<mimic joint="k" multiplier="-1"/>', kind="prismatic", xyz=place, axis=axis)
+    leader = joint("k", "a", "c", span, kind="prismatic", xyz="0 0.02 0", axis="0 1 0")
+    (finding,) = find(tmp_path, make_three_links(follower, leader), "JNT009")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 def test_the_limits_of_the_first_leader_are_to_be_narrowed(tmp_path: Path) -> None:
     text = make_three_links(
         make_joint(follows("k", 'multiplier="2"')),

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import operator
 from collections.abc import Iterator
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -12,6 +14,9 @@ from urdfcheck.source.text.xml import Attribute
 
 # What Drake does with the <mimic> of a fixed joint: the numbers of degrees of freedom must agree.
 _EQUAL, _UNEQUAL = "ignores the <mimic>, with a warning", "refuses the file: a fixed joint cannot mimic one that moves"
+
+# One slide is beside another along its axis if this share of the distance between them is along it (chosen).
+_ALONG = 0.9
 
 
 def check(model: Model, rule: Rule, *, slack: float, slight: float) -> Iterator[Finding]:
@@ -89,6 +94,23 @@ def _find_motion(model: Model, joint: Joint) -> tuple[float, float] | None:
     return (low, high) if low < high else span
 
 
+def _slide_apart(joint: Joint, leader: Joint, multiplier: float) -> bool:
+    """Whether two slides that one link carries beside each other, along their axes, move to opposite sides: fingers.
+
+    False where their frames are rotated.
+    """
+    places, angles, axes = zip(*((j.origin.xyz, j.origin.rpy, j.axis) for j in (joint, leader)), strict=True)
+    if joint.parent != leader.parent or {joint.type, leader.type} != {"prismatic"} or None in (*places, *axes):
+        return False
+    if any(angles[0] or ()) or any(angles[1] or ()):
+        return False
+    gap = [a - b for a, b in zip(*places, strict=True)]
+    along = sum(map(operator.mul, gap, axes[1])) / math.hypot(*axes[1])
+    is_beside: bool = abs(along) > _ALONG * math.hypot(*gap)
+    against: bool = multiplier * sum(map(operator.mul, *axes)) < 0
+    return is_beside and against
+
+
 def _check_range(
     model: Model, rule: Rule, joint: Joint, leader: Joint, *, reference: Attribute, slack: float, slight: float
 ) -> Iterator[Finding]:
@@ -106,6 +128,8 @@ def _check_range(
         if max(lower - back[0], back[1] - upper) <= slack:
             sign = f'write multiplier="{-multiplier:g}", with which it stays within'
             repair = f"{sign}, or set {own}: whichever moves it the right way"
+            if _slide_apart(joint, leader, multiplier):
+                repair = f"set {own}: the two are beside each other and slide to opposite sides, as fingers do"
         else:
             repair = (
                 f"set {own}, narrow those of {_find_first_leader(model, leader).name}, or correct multiplier and offset"
