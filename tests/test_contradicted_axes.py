@@ -89,6 +89,7 @@ def test_a_screw_hole_far_from_the_axis_is_not_its_bearing(tmp_path: Path, dista
     [
         (("0 0 0.1", "0.024 0 0.1"), "two bores may be meant"),
         (("0.012 0 0.1", "0 0 0.1"), "one is on the axis"),
+        (("0 0 0.1", "0.0139 0 0.1"), "one is two millimetres off the axis"),
         (("0.06 0 0.1",), "it is too far away to be meant"),
         (("0.0125 0 0.1",), "it is half a millimetre off"),
     ],

@@ -194,11 +194,12 @@ def compare_bearing(
         for line in parent.list_parallel_lines(place, axis, _REACH)
         if (fit := _find_fit(line.rings, hubs)) and not _is_axis_of(line, others)
     ]
+    if any(amount <= _BESIDE for amount, _, _ in beside):
+        return None  # the bearing is there, a little off
     beside = [
         (amount, line, (bore, hub))
         for amount, line, (bore, hub) in beside
-        if amount > _BESIDE
-        and (amount <= bore.radius or max(bore.radius, hub.radius) <= _FITS_FAR * min(bore.radius, hub.radius))
+        if amount <= bore.radius or max(bore.radius, hub.radius) <= _FITS_FAR * min(bore.radius, hub.radius)
     ]
     if any(distance > _MOST_RADII * max(ring.radius for ring in fit) for distance, _, fit in beside):
         return None
