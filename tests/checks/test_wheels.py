@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import find
+from builders import find, joint, limit, link, robot, visual
 from conftest import FIXTURES, check, check_text
 from numpy.typing import NDArray
 
@@ -448,6 +448,21 @@ def test_a_wheel_without_axis_turns_about_x(tmp_path: Path) -> None:
     (finding,) = find_in_car(tmp_path, "JNT015", changed(FOUR, 0, axis=None))
     assert finding.message_id == "default"
     assert finding.fix is not None
+    assert '<axis xyz="0 1 0"/>' in finding.fix.title
+
+
+@pytest.mark.parametrize(("kind", "message"), [("fixed", "steered"), ("revolute", "default")])
+def test_a_wheel_on_a_hinge_that_does_not_move_may_be_steered_by_its_joint(
+    tmp_path: Path, kind: str, message: str
+) -> None:
+    hinge = joint("to_hinge", "base", "left_hinge", limit(-1, 1), kind=kind, axis="0 0 1")
+    drawn = visual('<cylinder radius="0.05" length="0.02"/>', rpy="1.5708 0 0")
+    wheel = joint("left_joint", "left_hinge", "left_wheel", kind="continuous")
+    text = robot(link("base"), link("left_hinge"), link("left_wheel", drawn), hinge, wheel)
+    (finding,) = find(tmp_path, text, "JNT015")
+    assert finding.message_id == message
+    assert finding.fix is not None
+    assert ('<axis xyz="0 0 1"/>' in finding.fix.title) == (kind == "fixed")
     assert '<axis xyz="0 1 0"/>' in finding.fix.title
 
 

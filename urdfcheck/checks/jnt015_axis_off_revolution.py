@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
+# What steers a wheel, by its name.
+_KNUCKLE_NAME = re.compile(r"hinge|steer|knuckle|king_?pin", re.IGNORECASE)
 # An axis counts as x, y or z, or as upright, to within a little more than a degree.
 _SQUARE = 0.02
 # So many wheels around a base show whether axes point outwards.
@@ -408,8 +411,10 @@ def _build_axis_finding(
     element = joint.axis_element
     attribute = None if element is None else element.attributes.get("xyz")
     agreeing = [witness.kind for witness in wheel.evidence if measure_line_angle(witness.axis, drawn.axis) <= limit]
+    message = "steered" if _is_on_knuckle(model, joint) else "default"
+    upward = model.frames[joint.child][2, :3]
     return rule.finding(
-        "either" if is_either else "default" if attribute is None else "axis",
+        "either" if is_either else message if attribute is None else "axis",
         at=joint.axis_location,
         related=[drawn.location] if is_either else [],
         edits=edit_numbers(attribute, _format_axis(own)) if is_decided and not is_either else [],
@@ -417,11 +422,19 @@ def _build_axis_finding(
         tell="shows" if len(agreeing) == 1 else "show",
         angle=math.degrees(measure_line_angle(drawn.axis, joint.axis or (1.0, 0.0, 0.0))),
         own=_format_axis(own),
+        parent=joint.parent,
+        up=_format_axis(upward),
         explains=[
             f"SYM004 joint[{name}]" for name in _list_sides(model, joint)
         ],  # that its axis is unlike the other side's
         **wheel.names,
     )
+
+
+def _is_on_knuckle(model: Model, joint: Joint) -> bool:
+    """Whether a wheel hangs on a part that is named as what steers it, and that does not move itself."""
+    above = model.tree.parent_joint.get(joint.parent)
+    return above is not None and above.type == "fixed" and _KNUCKLE_NAME.search(joint.parent) is not None
 
 
 def _build_lying_finding(rule: Rule, wheel: _SuspectWheel, *, drawn: Sequence[_AxisEvidence], limit: float) -> Finding:
