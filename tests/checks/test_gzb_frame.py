@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from builders import find
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 
 NEW = '<gazebo><plugin filename="gz_ros2_control-system" name="s"/></gazebo>'
 WITHOUT_ROS = '<gazebo><plugin filename="gz-sim-sensors-system" name="s"/></gazebo>'
@@ -80,6 +80,33 @@ def test_a_transform_may_supply_the_frame(tmp_path: Path) -> None:
     transform = "Node(executable='static_transform_publisher', arguments=['--child-frame-id', 'r/base/scan'])"
     assert not find_frames(tmp_path / "a", sensor(), go=transform)
     assert find_frames(tmp_path / "b", sensor(), go=transform.replace("scan", "imu"))
+
+
+@pytest.mark.parametrize(
+    ("kind", "bridge", "severity", "effect"),
+    [
+        ("gpu_lidar", "'/scan@sensor_msgs/msg/LaserScan[gz.msgs.LaserScan'", Severity.WARNING, "drops the data"),
+        ("gpu_lidar", "'/odom@nav_msgs/msg/Odometry[gz.msgs.Odometry'", Severity.INFO, "gets no data"),
+        ("camera", "package='ros_gz_image', executable='image_bridge', arguments=['scan']", Severity.INFO, "pictures"),
+        (
+            "camera",
+            "'/scan@sensor_msgs/msg/Image[gz.msgs.Image', '/scan/camera_info@…[gz.msgs.CameraInfo'",
+            Severity.WARNING,
+            "drops the data",
+        ),
+    ],
+)
+def test_only_data_that_a_bridge_hands_on_and_programs_place_needs_a_frame(
+    tmp_path: Path, kind: str, bridge: str, severity: Severity, effect: str
+) -> None:
+    (finding,) = find_frames(tmp_path, sensor(kind), go=f"Node({bridge}) # ros_gz")
+    assert finding.severity is severity
+    assert effect in finding.consequences["rviz"]
+
+
+def test_the_frame_begins_with_the_name_that_the_robot_is_spawned_with(tmp_path: Path) -> None:
+    (finding,) = find_frames(tmp_path, sensor(), go="Node(executable='create', arguments=['-name', 'rover'])")
+    assert "such as rover/base/scan" in finding.message
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
-from urdfcheck.core import FactUnavailableError, Finding, Rule
+from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.merging import build_group_finding
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
@@ -30,6 +30,14 @@ _CPU_LIDARS = frozenset({"ray", "lidar"})
 _BRIDGES = ("ros_gz", "ros_ign")
 # A bridge may write a frame of its own into what it hands to ROS, beside the topic (ros_gz_bridge since Kilted).
 _BRIDGED_FRAME = re.compile(r"""frame_id["']?\s*[:=]\s*["']?/?([\w/.-]+)""")
+# What a bridge says that hands topics to ROS: the type of each, or that it is one for pictures.
+_BRIDGED = re.compile(r"\b(?:gz|ignition)\.msgs\b|\bimage_bridge\b")
+# Data of a camera that is more than pictures: programs place it by its frame.
+_PLACED_BY_FRAME = re.compile(r"camera_?info|point_?cloud|\bpoints\b", re.IGNORECASE)
+_PICTURES = "shows the pictures all the same; its Camera display, depth clouds and image_proc need the frame"
+_NO_DATA = "gets no data: no bridge of the package hands it on"
+# The name that a launch file gives the robot in Gazebo.
+_SPAWNED_NAME = re.compile(r"(?<![\w-])-name[\"']?[\s,]+[\"']?([\w-]+)")
 _TEXTS = (".py", ".xml", ".launch", ".yaml", ".yml")
 # Files of the package that are searched for the frame: a transform or a node may supply it.
 _MOST_FILES, _LARGEST = 200, 200_000
@@ -49,19 +57,44 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         for sensor in without
         if not any(_names_frame(text, sensor, bodies) or _bridges_frame(text, sensor, model) for text in texts)
     ]
+    bridging = [text for text in texts if _BRIDGED.search(text)]
+    carried = [sensor for sensor in without if not bridging or _list_carrying(sensor, bridging)]
+    placed = [sensor for sensor in carried if not bridging or _is_placed(sensor, _list_carrying(sensor, bridging))]
+    is_note, without = not placed, placed or without
     if without:
         first = without[0]
         yield build_group_finding(
             rule,
             "absent",
             [sensor.element for sensor in without],
+            severity=Severity.INFO if is_note else None,
+            consequences={"rviz": _PICTURES if carried else _NO_DATA} if is_note else None,
             sensors=join_names(f"{sensor.name} ({sensor.type})" for sensor in without),
             count=len(without),
             noun="sensor" if len(without) == 1 else "sensors",
             verb="names" if len(without) == 1 else "name",
-            example=f"{model.name}/{bodies.get(first.reference, first.reference)}/{first.name}",
+            example=f"{_find_spawned_name(texts) or model.name}/{bodies.get(first.reference, first.reference)}/{first.name}",
             repair=_describe_repair({sensor.name: _choose_frame(model, sensor, bodies) for sensor in without}),
         )
+
+
+def _list_carrying(sensor: GazeboSensor, bridging: Iterable[str]) -> list[str]:
+    """List the texts about bridges that name a sensor, or the end of its topic: what is before that may be computed."""
+    topic = sensor.element.find_child("topic")
+    ends = {sensor.name, "" if topic is None else topic.text.strip().rpartition("/")[2]} - {""}
+    named = [re.compile(rf"(?<!\w){re.escape(end)}(?!\w)") for end in ends]
+    return [text for text in bridging if any(pattern.search(text) for pattern in named)]
+
+
+def _is_placed(sensor: GazeboSensor, carrying: Iterable[str]) -> bool:
+    """Whether programs place the data that these bridges hand on by its frame: not the pictures of a camera alone."""
+    return any(sensor.type != "camera" or _PLACED_BY_FRAME.search(text) for text in carrying)
+
+
+def _find_spawned_name(texts: Iterable[str]) -> str:
+    """Return the name under which launch files spawn the robot, if they give it one."""
+    names = {match.group(1) for text in texts for match in _SPAWNED_NAME.finditer(text)}
+    return names.pop() if len(names) == 1 else ""
 
 
 def _describe_repair(frames: Mapping[str, str]) -> str:
