@@ -129,6 +129,8 @@ def test_a_project_that_starts_classic_needs_its_plugins(tmp_path: Path) -> None
         Severity.WARNING,
         "for Gazebo Classic in ROS 2, replace gazebo_ros_laser by gazebo_ros_ray_sensor",
     )
+    (finding,) = find(tmp_path, robot(ARM, ROS1_PLUGIN), "GZB002")
+    assert finding.headline == "1 plugin is for ROS 1 only: gazebo_ros_laser"
 
 
 def test_a_control_plugin_of_ros_1_is_deleted_where_that_of_ros_2_is_loaded(tmp_path: Path) -> None:

@@ -116,7 +116,16 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         is_missed = (bool(old) and not is_only_displayed(model)) or _is_for_successor(model)
         # What xacro wrote and nothing loads misses no plugin.
         severity = None if is_missed and not is_left_output(model.source) else Severity.INFO
-        yield _build_plugin_finding(rule, plugins, old, related=related, severity=severity, replacement=replacement)
+        is_of_ros1 = len(old) == len(plugins) and starts_classic(model)  # Classic is not the matter
+        yield _build_plugin_finding(
+            rule,
+            plugins,
+            old,
+            related=related,
+            severity=severity,
+            replacement=replacement,
+            made_for="for ROS 1" if is_of_ros1 else "Gazebo Classic",
+        )
     if _SUCCEEDED not in plugins:
         for control, plugin in hardware:
             yield rule.finding(
@@ -170,6 +179,7 @@ def _build_plugin_finding(
     related: Iterable[Element],
     severity: Severity | None,
     replacement: str,
+    made_for: str,
 ) -> Finding:
     """Report all libraries together: the robot was written for Classic."""
     places = list({use.span: use for uses in plugins.values() for use in uses}.values())
@@ -180,6 +190,7 @@ def _build_plugin_finding(
         severity=severity,
         which=format_count(len(places), "plugin is", "plugins are"),
         names=join_names(plugins, 3),
+        made_for=made_for,
         libraries=join_names((uses[0].value.strip() for uses in plugins.values()), 3),
         replacement=replacement,
         old=f"; {join_names(old, 3)} {'is' if len(old) == 1 else 'are'} of ROS 1, which a robot of ROS 2 loads in no Gazebo"
