@@ -610,6 +610,13 @@ def test_how_far_origins_may_differ(tmp_path: Path, visual: str, collision: str,
     assert bool(find(tmp_path, robot(link("a", inside)), "GEO005")) == found
 
 
+def test_how_far_origins_are_apart_orders_the_findings(tmp_path: Path) -> None:
+    places = {"a": "0.02 0 0", "b": "0.05 0 0"}
+    parts = [link(name, box("visual") + box("collision", xyz=xyz)) for name, xyz in places.items()]
+    found = find(tmp_path, robot(*parts, joint("j", "a", "b")), "GEO005")
+    assert sorted(finding.excess for finding in found) == [0.02, 0.05]
+
+
 @pytest.mark.parametrize(
     ("solid", "origin", "found"),
     [
