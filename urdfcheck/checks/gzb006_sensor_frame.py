@@ -34,7 +34,7 @@ _BRIDGED_FRAME = re.compile(r"""frame_id["']?\s*[:=]\s*["']?/?([\w/.-]+)""")
 _BRIDGED = re.compile(r"\b(?:gz|ignition)\.msgs\b|\bimage_bridge\b")
 # Data of a camera that is more than pictures: programs place it by its frame.
 _PLACED_BY_FRAME = re.compile(r"camera_?info|point_?cloud|\bpoints\b", re.IGNORECASE)
-_PICTURES = "shows the pictures all the same; its Camera display, depth clouds and image_proc need the frame"
+_PICTURES = "still shows the pictures; its Camera display, depth clouds and image_proc need the frame"
 _NO_DATA = "gets no data: no bridge of the package hands it on"
 # The name that a launch file gives the robot in Gazebo.
 _SPAWNED_NAME = re.compile(r"(?<![\w-])-name[\"']?[\s,]+[\"']?([\w-]+)")

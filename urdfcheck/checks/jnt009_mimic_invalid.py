@@ -129,7 +129,7 @@ def _check_range(
             sign = f'write multiplier="{-multiplier:g}", with which it stays within'
             repair = f"{sign}, or set {own}: whichever moves it the right way"
             if _slide_apart(joint, leader, multiplier):
-                repair = f"set {own}: the two are beside each other and slide to opposite sides, as fingers do"
+                repair = f"set {own}: the two are beside each other and slide to opposite sides: two fingers"
         else:
             repair = (
                 f"set {own}, narrow those of {_find_first_leader(model, leader).name}, or correct multiplier and offset"

@@ -33,7 +33,7 @@ def list_own_srdfs(model: Model) -> list[Srdf]:
 
 
 def load_joint_limits(model: Model, srdf: Srdf) -> tuple[JointLimits, ...]:
-    """Load the limits beside a semantic description; none if they are another robot's, and this one has a file of its own."""
+    """Load the limits beside a semantic description; none if they are another robot's, and a file beside them is this one's."""
     folder, finder = srdf.path.parent, model.source.finder
     limits = read_joint_limits(folder / LIMITS_FILE, finder)
     if limits and not _name_joints(model, limits):
