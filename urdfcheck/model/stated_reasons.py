@@ -44,6 +44,12 @@ _REASON = re.compile(
     r"|\b(?:can\s?not|can't|doesn't|does\s+not)\s+(?:handle|cope\s+with|like)\s+(?:the\s+)?(?:realistic|real|true|actual|small)\b",
     re.IGNORECASE,
 )
+# Words that warn of the numbers: whoever wrote them does not want them to be relied on.
+_DISCLAIMER = re.compile(
+    r"\bnot\s+(?:\w+\s+)?reliable\b|\bunreliable\b|\b(?:should|must)\s+not\s+be\s+(?:used|relied)\b"
+    r"|\bdo\s+not\s+rely\b|\bnot\s+(?:meant|intended|suitable)\s+for\s+(?:model|simulat|dynamic)",
+    re.IGNORECASE,
+)
 # What a comment above a macro or a property is about, where it gives the reason for masses and inertias.
 _ABOUT_DYNAMICS = re.compile(r"inerti|\bmass|\bheav|\blight|simulat|gazebo|physic|unstab|instab|stabili", re.IGNORECASE)
 _MACRO_BEFORE = re.compile(r"<(?:\w+:)?macro\b")
@@ -62,13 +68,22 @@ _COMMENT_ABOVE = re.compile(
 
 def has_stated_reason(model: Model, element: Element) -> bool:
     """Whether a comment in an element, or right before it, says why its numbers are what they are."""
+    return any(map(_REASON.search, _list_comments(model, element)))
+
+
+def has_disclaimer(model: Model, element: Element) -> bool:
+    """Whether a comment in an element, or right before it, says that its numbers are not to be relied on."""
+    return any(map(_DISCLAIMER.search, _list_comments(model, element)))
+
+
+def _list_comments(model: Model, element: Element) -> list[str]:
+    """List the comments in an element, and the one right before it."""
     span = element.span
     file = None if span is None else model.source.files.get(span.file)
     if span is None or file is None:
-        return False
+        return []
     end = max(file.text.find(f"</{element.tag}", span.start), span.start)
-    comments = COMMENT.findall(file.text, span.start, end)
-    return any(map(_REASON.search, [*comments, _find_comment_before(file.text, span.start)]))
+    return [*COMMENT.findall(file.text, span.start, end), _find_comment_before(file.text, span.start)]
 
 
 def is_called_dummy(model: Model, link: Element) -> bool:

@@ -8,6 +8,7 @@ from urdfcheck.core.text import split_name_words
 from urdfcheck.model.parts import Link
 from urdfcheck.model.robot import Model
 from urdfcheck.model.stated_reasons import (
+    has_disclaimer,
     has_reason_above_macro,
     has_reason_at_definition,
     has_reason_behind,
@@ -25,7 +26,8 @@ _TINY_SHARE = 1e-3
 
 
 def has_stated_purpose(model: Model, link: Link) -> bool:
-    """Whether a comment says why the numbers of a link are what they are, or it is called negligible or a dummy.
+    """Whether a comment says why the numbers of a link are what they are, or that they are not to be relied on, or the link is
+    called negligible or a dummy.
 
     The comment is where the numbers were typed: in the ``<inertial>``, right before it or before the macro that makes it,
     behind the number of the mass, or above the properties that mass and tensor are computed from.
@@ -35,7 +37,7 @@ def has_stated_purpose(model: Model, link: Link) -> bool:
         return False
     if is_called_negligible(model, link) or is_called_dummy(model, link.element):
         return True
-    if has_stated_reason(model, inertial.element):
+    if has_stated_reason(model, inertial.element) or has_disclaimer(model, inertial.element):
         return True
     mass, tensor = inertial.mass_attribute, inertial.tensor_element
     if mass is not None and has_reason_behind(model, mass):
