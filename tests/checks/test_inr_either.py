@@ -6,7 +6,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from builders import arm_on_base, box, collision, cylinder, find, inertial, joint, link, mesh, robot, sphere, visual
+from builders import (
+    arm_on_base,
+    box,
+    collision,
+    cylinder,
+    find,
+    inertial,
+    joint,
+    limit,
+    link,
+    mesh,
+    robot,
+    sphere,
+    visual,
+)
 from castings import write_stl
 
 from urdfcheck.core import Finding, Severity
@@ -201,6 +215,65 @@ def test_what_only_slides_on_a_fixed_base_may_have_any_inertia(tmp_path: Path, k
         joint("swing", "cart", "pole", kind="continuous", axis="1 0 0"),
     )
     assert [found.severity for found in find(tmp_path, text, {"INR005"})] == [severity]
+
+
+HEAVY_SLIDE = robot(
+    link("rail", inertial(13, ixx=1.5, iyy=1.5, izz=0.03), visual(box("0.1 0.1 1"))),
+    link("cart", inertial(0.3, ixx=1.5, iyy=1.5, izz=0.3), visual(box("0.1 0.1 0.05"))),
+    joint("slide", "rail", "cart", limit(0, 0.8), kind="prismatic", axis="0 0 1"),
+)
+
+
+@pytest.mark.parametrize(
+    ("above", "severity"),
+    [
+        ("", Severity.ERROR),
+        (f"{link('world')}{joint('weld', 'world', 'rail')}", Severity.WARNING),
+        (f"{link('world')}{joint('turn', 'world', 'rail', kind='continuous', axis='1 0 0')}", Severity.ERROR),
+    ],
+)
+def test_a_vast_tensor_is_no_error_where_nothing_turns_it(tmp_path: Path, above: str, severity: Severity) -> None:
+    (finding,) = find(tmp_path, HEAVY_SLIDE.replace("</robot>", f"{above}</robot>"), {"INR005"})
+    assert (finding.message_id, finding.severity) == ("exceeds", severity)
+
+
+def test_what_carries_a_slide_of_a_file_that_another_includes_may_stand_still(tmp_path: Path) -> None:
+    whole = robot('<xacro:include filename="slide.xacro"/>', link("world"), joint("w", "world", "rail"), xacro=True)
+    package = "<package><name>p</name><version>1.0.0</version></package>"
+    files = {"slide.xacro": HEAVY_SLIDE, "robot.urdf.xacro": whole, "package.xml": package}
+    (finding,) = find(tmp_path, files, {"INR005"}, name="slide.xacro")
+    assert finding.severity is Severity.WARNING
+
+
+@pytest.mark.parametrize(("moment", "severity"), [(1e-5, Severity.INFO), (1e-2, Severity.ERROR)])
+def test_a_finger_of_small_inertia_is_carried_by_its_arm(tmp_path: Path, moment: float, severity: Severity) -> None:
+    arm = inertial(1, ixx=0.0015, iyy=0.02, izz=0.02)
+    parts = [
+        link("base"),
+        link("arm", arm, visual(box("0.5 0.1 0.1"))),
+        joint("swing", "base", "arm", kind="continuous", axis="0 0 1"),
+    ]
+    for side in (1, -1):
+        parts += [
+            link(f"finger_{side}", inertial(1e-5, moment), visual(box("0.02 0.01 0.02"))),
+            joint(f"grip_{side}", "arm", f"finger_{side}", limit(0, 0.02), kind="prismatic", axis=f"0 {side} 0"),
+        ]
+    (finding,) = find(tmp_path, robot(*parts), {"INR005"})
+    assert (finding.message_id, finding.severity) == ("exceeds", severity)
+
+
+@pytest.mark.parametrize(("moment", "code"), [(1e-5, "INR010"), (3.0, "INR005")])
+def test_a_body_lighter_than_air_has_the_wrong_mass_where_its_tensor_is_possible(
+    tmp_path: Path, moment: float, code: str
+) -> None:
+    """A cylinder that weighs 50 g in plastic, and has 1e-5 kg·m²."""
+    text = arm_on_base(inertial(1e-5, moment), visual(cylinder(0.02, 0.04)), base=inertial(1, 0.01))
+    assert [finding.code for finding in find(tmp_path, text, {"INR005", "INR010"})] == [code]
+
+
+def test_one_light_mass_is_reported_once(tmp_path: Path) -> None:
+    text = robot(link("block", inertial(1e-5, 1e-5), visual(cylinder(0.02, 0.04)), collision(cylinder(0.02, 0.04))))
+    assert [one.code for one in find(tmp_path, text, {"INR005", "INR010", "INR015"})] == ["INR015"]
 
 
 # -- INR007 -----------------------------------------------------------------------------------------------------------
@@ -410,9 +483,8 @@ def test_a_mass_of_milligrams_is_wrong_where_the_tensor_is_the_drawn_part_of_a_u
     assert "at 0.144 kg" in finding.message
 
 
-@pytest.mark.parametrize("size", [1e3, 3e-2])
-def test_no_part_is_missing_from_a_tensor_that_is_a_thousand_times_too_large(tmp_path: Path, size: float) -> None:
-    (finding,) = find_light_hand(tmp_path, 1.02e-6, size=size)
+def test_no_part_is_missing_from_a_tensor_that_is_a_thousand_times_too_large(tmp_path: Path) -> None:
+    (finding,) = find_light_hand(tmp_path, 1.02e-6, size=1e3)
     assert finding.message_id == "exceeds"
     assert finding.fix is not None
     assert "draw the parts" not in finding.fix.title

@@ -30,6 +30,7 @@ from urdfcheck.facts.inertials.inertia_tensor import (
 )
 from urdfcheck.facts.inertials.materials import DENSEST_PART, LIGHTEST, describe_density, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder
+from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.habits.minor_findings import set_chosen_aside, set_lost_aside
 from urdfcheck.model.inertials.habits.root_tensors import find_root_tensors
@@ -43,6 +44,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     EnclosedInertial,
     enclosed_inertials,
     has_negligible_moment,
+    is_carried,
     is_stand_in,
 )
 from urdfcheck.model.inertials.proposals.com_places import has_com_apart
@@ -91,6 +93,8 @@ _OWN_FACTORS = 1.25
 _TYPED = 5e-3
 # A tensor is the drawn part's at another mass to within this share: chosen; 0.04 in the case that led to it.
 _OWN = 0.05
+# What a body has to weigh less than, over its volume (kg/m³) and over its surface (kg/m²), for INR010 to report it.
+_AIR, _TISSUE = 1.0, 0.02
 _LONE_FRAME = "write the mass and tensor of a small part if the link is only a frame, or "
 _LACKS_COM = ". Mass and tensor are the drawn part's: only the COM is missing"
 
@@ -148,6 +152,8 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         if excess >= VAST and not is_speck and (mass := _find_own_mass(model, part)) is not None:
             yield _build_mass_finding(model, rule, part, mass)
             continue
+        if _has_token_mass(model, part, declared):
+            continue  # INR010 reports the mass
         advice = _advise(model, part, declared, ratio=ratio, excess=excess)
         is_uneven = _is_smaller_than_drawn(model, declared)
         is_uneven |= not is_elsewhere and not any(
@@ -156,13 +162,18 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
         if is_uneven and advice.repair is None and (odd := _describe_odd_moment(model, declared)):
             advice = _Advice(remedy=f"{odd}, or ", explained=advice.explained)
-        is_bolted = excess < VAST and part.link.name in list_unturned_links(model)
-        is_minor = is_bolted or _lacks_only_drawing(model, part, advice, excess)
+        is_unturned = part.link.name in list_unturned_links(model)
+        is_minor = (is_unturned and excess < VAST) or is_carried(model, part.link)
+        is_minor |= _lacks_only_drawing(model, part, advice, excess)
         is_minor |= excess**0.5 < (_BARELY_UNEVEN if is_uneven else _BARELY)
         yield rule.finding(
             "uneven" if is_uneven else "com" if is_elsewhere and _fits_another_com(part, margin) else "exceeds",
             at=declared.element,
-            severity=Severity.ERROR if is_vast else Severity.INFO if is_minor else None,
+            severity=Severity.INFO
+            if is_minor
+            else Severity.ERROR
+            if is_vast and not (is_unturned or _slides_in_part(model, part.link))
+            else None,
             edits=() if advice.repair is None else advice.repair.edits,
             remedy=advice.remedy,
             comparison=advice.comparison,
@@ -179,6 +190,13 @@ def _check_each_link(model: Model, rule: Rule, *, ratio: float, margin: float) -
         )
     if unit is not None and in_unit:
         yield _build_unit_finding(model, rule, unit, [*in_unit, *_list_others_in_unit(model, unit.name, in_unit)])
+
+
+def _slides_in_part(model: Model, link: Link) -> bool:
+    """Whether a file that another includes only slides a link on its root: what carries it may stand still."""
+    pieces = model.pieces
+    path = pieces.find_path_to(link.name)
+    return model.source.is_part and bool(path) and all(joint.type in {"fixed", "prismatic"} for joint in path)
 
 
 def _lacks_only_drawing(model: Model, part: EnclosedInertial, advice: _Advice, excess: float) -> bool:
@@ -293,6 +311,18 @@ def _find_own_mass(model: Model, part: EnclosedInertial) -> float | None:
     mass = float(moments.sum() / unit.sum())
     fits = float(np.abs(moments - mass * unit).max()) <= _OWN * float(moments.max())
     return mass if fits and is_part_density(mass / drawn.solid.volume) else None
+
+
+def _has_token_mass(model: Model, part: EnclosedInertial, declared: DeclaredTensor) -> bool:
+    """Whether a link by itself is lighter than air, and than a skin of tissue paper, and its tensor is one that the drawn part
+    can have at its real mass: then the tensor shows nothing, and that of so light a part would be worse."""
+    drawn = measure_link_geometry(model, part.link)
+    if drawn is None or not drawn.closed or len(part.readings) > 1 or not part.is_single_link:
+        return False
+    if not part.mass < min(_AIR * drawn.solid.volume, _TISSUE * compute_convex_hull(part.readings[0]).area):
+        return False
+    heaviest = compute_solid_inertia(drawn.solid, DENSEST_PART * drawn.solid.volume)
+    return bool(declared.tensor.trace() <= heaviest.trace())
 
 
 def _build_mass_finding(model: Model, rule: Rule, part: EnclosedInertial, mass: float) -> Finding:

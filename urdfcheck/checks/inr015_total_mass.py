@@ -71,7 +71,15 @@ def check(
             robot=model.name,
             total=total,
             links=len(masses),
+            least=least,
+            explains=_list_same_mass(model),
         )
+
+
+def _list_same_mass(model: Model) -> list[str]:
+    """List what INR010 reports of the one link that has all of the mass: it is the same number."""
+    links = [one.link.location.subject for one in model.masses if one.mass > 0]
+    return [f"INR010 {subject}" for subject in links] if len(links) == 1 else []
 
 
 def _is_unmoved(model: Model) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -119,6 +120,15 @@ def list_whole_bodies(model: Model) -> tuple[RigidLinkGroup, ...]:
         for links in bodies
         if incomplete.isdisjoint(links)
     )
+
+
+def add_sliding_links(model: Model, links: Iterable[str]) -> list[str]:
+    """List some links and all that only slides on them: together they turn as one."""
+    together = list(links)
+    for name in together:
+        sliding = (joint.child for joint in model.pieces.child_joints[name] if joint.type == "prismatic")
+        together += [link for child in sliding for link in model.pieces.list_body_links(child)]
+    return together
 
 
 def has_collision_geometry(model: Model, body: RigidLinkGroup) -> bool:

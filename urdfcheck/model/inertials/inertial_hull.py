@@ -13,7 +13,7 @@ from urdfcheck.facts.inertials.materials import DENSEST_PART
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull, compute_least_volume
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Inertial, Link, has_drawn_shape, is_dummy_shape
-from urdfcheck.model.rigid_bodies import compute_body_mass, compute_body_tensor, list_whole_bodies
+from urdfcheck.model.rigid_bodies import add_sliding_links, compute_body_mass, compute_body_tensor, list_whole_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.repeated_drawings import find_stand_in_drawings
@@ -133,6 +133,23 @@ def is_massless_frame(link: Link) -> bool:
     """Whether a link draws nothing and has next to no mass."""
     mass = None if link.inertial is None else link.inertial.mass
     return not has_drawn_shape(link) and (mass is None or mass < FRAME_MASS)
+
+
+def is_carried(model: Model, link: Link) -> bool:
+    """Whether a link only slides on others, and its tensor has too small a share of the largest moment of what turns with it to
+    count: a finger on a hand that an arm turns.
+
+    :raises FactUnavailableError: when the tree is broken or an origin is malformed.
+    """
+    links = model.pieces.list_body_links(link.name)
+    above = model.pieces.parent_joint.get(links[0])
+    if above is None or above.type != "prismatic":
+        return False
+    while above is not None and above.type == "prismatic":
+        links = model.pieces.list_body_links(above.parent)
+        above = model.pieces.parent_joint.get(links[0])
+    shares = compute_body_shares(model, tuple(add_sliding_links(model, links))).get(link.name)
+    return shares is not None and has_negligible_moment(model.mass_by_name[link.name].mass, shares[1])
 
 
 def compute_body_shares(model: Model, links: tuple[str, ...]) -> dict[str, tuple[float, float]]:

@@ -11,7 +11,7 @@ from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.ground.wheels import rolling_wheels
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.model.parts import GROUND_NAMES, Joint
-from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.rigid_bodies import add_sliding_links, compute_body_mass
 from urdfcheck.model.robot import Model
 from urdfcheck.model.wheel_names import CASTER_NAME, WHEEL_NAME
 from urdfcheck.source.uses_elsewhere import read_includers
@@ -103,11 +103,7 @@ def list_bolted_links(model: Model) -> Sequence[str]:
 
 def list_unturned_links(model: Model) -> Sequence[str]:
     """List the links of a base that cannot move, and of what only slides on it: nothing depends on their inertia."""
-    links = list(list_bolted_links(model))
-    for name in links:
-        sliding = (joint.child for joint in model.pieces.child_joints[name] if joint.type == "prismatic")
-        links += [link for child in sliding for link in model.pieces.list_body_links(child)]
-    return links
+    return add_sliding_links(model, list_bolted_links(model))
 
 
 def _carries_long_arms(model: Model) -> bool:
