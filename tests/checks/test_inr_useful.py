@@ -246,6 +246,15 @@ def test_a_uniform_part_fills_its_drawing(tmp_path: Path, density: float, is_own
     assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["dense"] * dense
 
 
+@pytest.mark.parametrize(("collided", "dense"), [("0.06 0.06 0.3", False), ("0.02 0.02 0.3", True)])
+def test_a_skin_is_drawn_where_the_collision_shape_has_the_density(tmp_path: Path, collided: str, dense: bool) -> None:
+    """6 kg in 120 cm³, or in 1.08 litres."""
+    xx, yy, zz = np.diag(compute_solid_inertia(make_box_solid((0.02, 0.02, 0.3)), 6.0)).tolist()
+    shapes = visual(box("0.02 0.02 0.3")), collision(box(collided))
+    text = arm_on_base(inertial(6, ixx=xx, iyy=yy, izz=zz), *shapes)
+    assert [f.message_id for f in find(tmp_path, text, {"INR010"})] == ["dense"] * dense
+
+
 def test_frames_without_mass_join_the_list_of_links_without_mass(tmp_path: Path) -> None:
     massless = inertial(0, 0)
     links = [link("base", inertial(1, 0.01)), link("frame", massless)]

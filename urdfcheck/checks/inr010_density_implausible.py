@@ -27,7 +27,12 @@ from urdfcheck.model.parts import has_drawn_shape
 from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.corners import collect_body_corners
-from urdfcheck.model.shapes.visual_solid import has_unit_ambiguity, measure_link_geometry, measure_links_volume
+from urdfcheck.model.shapes.visual_solid import (
+    has_unit_ambiguity,
+    measure_link_geometry,
+    measure_links_volume,
+    measure_role_geometry,
+)
 from urdfcheck.model.wheel_names import WHEEL_NAME
 
 if TYPE_CHECKING:
@@ -202,9 +207,13 @@ def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
 
 def _measure_own_volume(model: Model, part: EnclosedInertial) -> float | None:
     """Measure what the link draws (m³) if COM and tensor are those of that body at uniform density: then all of the mass is
-    there. Twice the density of any material is not one of a drawing that is too thin."""
+    there. Twice the density of any material is not one of a drawing that is too thin. None where a closed collision shape gives the
+    mass a usual density: what is drawn is then only the skin of the part."""
     judged, drawn = inertial_diagnoses(model).get(part.link.name), measure_link_geometry(model, part.link)
     if judged is None or drawn is None or not drawn.closed or has_unit_ambiguity(model, (part.link.name,)):
+        return None
+    colliding = measure_role_geometry(model, part.link, "collision")
+    if colliding is not None and colliding.closed and is_part_density(part.mass / colliding.solid.volume):
         return None
     is_own = judged.diagnosis.sound and max(judged.diagnosis.tensor_mismatch, judged.diagnosis.com_mismatch) < EXACT
     return drawn.solid.volume if is_own and part.mass > 2.0 * DENSEST * drawn.solid.volume > 0.0 else None
