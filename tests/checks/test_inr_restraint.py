@@ -238,6 +238,18 @@ def test_a_slipped_mass_is_named_where_the_tensor_is_that_of_the_right_one(tmp_p
     assert unexplained.cause is None or unexplained.cause.id != "decimal"
 
 
+@pytest.mark.parametrize(("mass", "codes"), [(1300, ["INR010"]), (13, [])])
+def test_a_slipped_mass_is_named_where_the_hull_has_room_for_it(tmp_path: Path, mass: float, codes: list[str]) -> None:
+    """Two plates a metre apart, of 1,300 kg/m³, and a COM that is not theirs."""
+    plates = [visual(box("0.5 1 0.01"), xyz=f"0 0 {z}") for z in (-0.5, 0.5)]
+    own = [np.diag(compute_solid_inertia(make_box_solid((0.5, 1, 0.01)), 6.5)) for _ in plates]
+    xx, yy, zz = (sum(own) + 2 * 6.5 * np.array((0.25, 0.25, 0.0))).tolist()
+    text = arm_on_base(inertial(mass, ixx=xx, iyy=yy, izz=zz, com="0.07 0 0" if mass > 100 else ""), *plates)
+    found = find(tmp_path, text, {"INR009", "INR010"})
+    assert [finding.code for finding in found] == codes
+    assert all(finding.fix is not None and "about 13 kg" in finding.fix.title for finding in found)
+
+
 @pytest.mark.parametrize(
     ("mass", "com", "size", "found"),
     [

@@ -20,6 +20,7 @@ from urdfcheck.facts.inertials.published_parts import name_published_part
 from urdfcheck.facts.median import compute_median
 from urdfcheck.model import DeclaredTensor, Link, Model
 from urdfcheck.model.inertials.diagnosis.commented_masses import COMMENTED
+from urdfcheck.model.inertials.diagnosis.slipped_masses import find_slipped_mass
 from urdfcheck.model.inertials.diagnosis_words import (
     FROM_DRAWING,
     MILD_CAUSES,
@@ -388,6 +389,8 @@ def _is_far_from_drawing(model: Model, tensor: DeclaredTensor, judged: Diagnosed
     drawn = measure_link_geometry(model, tensor.link)
     if drawn is not None and judged.declared.mass < LIGHTEST * drawn.solid.volume:
         return False  # nor its size: no material is so light
+    if find_slipped_mass(model, tensor.link) is not None:
+        return False  # the mass is wrong, and the tensor is not: INR010 reports it
     return is_hull_enough(model, tensor.link, judged, far=far)
 
 

@@ -13,11 +13,11 @@ from urdfcheck.core.records import dataclass
 from urdfcheck.facts.inertials.certainty import EXACT
 from urdfcheck.facts.inertials.equivalent_solids import fit_equivalent_box
 from urdfcheck.facts.inertials.hull_bounds import measure_extent
-from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, describe_density, guess_mass_unit, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_unknown_mass, is_round
 from urdfcheck.facts.mesh.convex_hull import compute_convex_hull
 from urdfcheck.model import Link, Model
+from urdfcheck.model.inertials.diagnosis.slipped_masses import SlippedMass, find_slipped_mass
 from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose
 from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
 
 
-# The moments of a part with a hub or a motor in it, to those of its uniform solid.
-_LIKE_TENSOR = 2.0
 # The length of the part that mass and tensor describe, to that of the drawing which stands for it.
 _TOKEN = 2.0
 # A mass that is a thousand times too large is in grams rather than a slip.
@@ -106,12 +104,14 @@ def _find_excess_density(model: Model, part: EnclosedInertial, *, margin: float)
     filled = measure_links_volume(model, (part.link,))
     if filled is not None and part.mass <= DENSEST * filled:
         return None
-    volume = _measure_own_volume(model, part) or max(
+    slipped = find_slipped_mass(model, part.link)
+    # A slip that the tensor shows, too, needs no bound on what is not drawn.
+    volume = (slipped.volume if slipped is not None else _measure_own_volume(model, part)) or max(
         _PaddedHull.from_points(points, margin).volume for points in part.readings
     )
     if not 0.0 < DENSEST * volume < part.mass:
         return None
-    slip = _find_slipped_mass(model, part.link, part.mass) or _guess_mass_unit(
+    slip = _describe_slip(part.mass, slipped) or _guess_mass_unit(
         part.mass, (filled or volume) if len(part.readings) == 1 else 0.0
     )
     # A mass that was typed to keep a stand in its place is a choice, unless a slip explains it.
@@ -151,7 +151,9 @@ def _build_dense_finding(
         volume=float(f"{found.volume * 1e6:.3g}"),
         around=part.geometry_phrase,
         density=describe_density(part.mass / found.volume),
-        repair=_describe_repair(
+        repair=f"correct the mass: the inertia tensor is that of about {slip['slipped']} kg"
+        if slip["cause"] == "decimal"
+        else _describe_repair(
             [part.link],
             part.mass,
             is_in_unit=slip["cause"] == "unit",
@@ -207,8 +209,8 @@ def _is_token_drawing(model: Model, part: EnclosedInertial) -> bool:
 
 def _measure_own_volume(model: Model, part: EnclosedInertial) -> float | None:
     """Measure what the link draws (m³) if COM and tensor are those of that body at uniform density: then all of the mass is
-    there. Twice the density of any material is not one of a drawing that is too thin. None where a closed collision shape gives the
-    mass a usual density: what is drawn is then only the skin of the part."""
+    there. Twice the density of any material is not one of a drawing that is too thin. None where a closed collision shape gives
+    the mass a usual density: what is drawn is then only the skin of the part."""
     judged, drawn = inertial_diagnoses(model).get(part.link.name), measure_link_geometry(model, part.link)
     if judged is None or drawn is None or not drawn.closed or has_unit_ambiguity(model, (part.link.name,)):
         return None
@@ -219,29 +221,21 @@ def _measure_own_volume(model: Model, part: EnclosedInertial) -> float | None:
     return drawn.solid.volume if is_own and part.mass > 2.0 * DENSEST * drawn.solid.volume > 0.0 else None
 
 
-def _find_slipped_mass(model: Model, link: Link, mass: float) -> dict[str, Any]:
-    """Return the data of the decimal point that explains the density: the mass without it is that of a part of an ordinary
-    material, whose tensor the link has; empty where none does."""
-    tensor, drawn = model.tensor_by_name.get(link.name), measure_link_geometry(model, link)
-    if tensor is None or drawn is None or not drawn.closed or has_unit_ambiguity(model, (link.name,)):
+def _describe_slip(mass: float, slipped: SlippedMass | None) -> dict[str, Any]:
+    """Return the data of the decimal point that explains the density; empty without one."""
+    if slipped is None:
         return {}
-    uniform = np.linalg.eigvalsh(compute_solid_inertia(drawn.solid, 1.0))
-    own_mass = np.linalg.eigvalsh(tensor.tensor) / uniform  # what the tensor says that the mass is, three times
-    for power in (1, 2, 3, 4):
-        slipped = mass * 10.0**-power
-        density = slipped / drawn.solid.volume
-        fits = np.abs(np.log(np.maximum(own_mass, 1e-300) / slipped)).max() < math.log(_LIKE_TENSOR)
-        if is_part_density(density) and fits:
-            if power == _GRAMS and not is_round(mass):
-                return {"cause": "unit", "unit": "grams", "plausible": f"the density is {describe_density(density)}"}
-            return {
-                "cause": "decimal",
-                # A round mass may be one in grams, or a slip.
-                "factor": f"{10.0**-power:g} times what is written" + (", as if in grams" if power == _GRAMS else ""),
-                "slipped": f"{slipped:.4g}",
-                "plausible": f"the density is {describe_density(density)}",
-            }
-    return {}
+    plausible = f"the density is {describe_density(slipped.density)}"
+    if slipped.power == _GRAMS and not is_round(mass):
+        return {"cause": "unit", "unit": "grams", "plausible": plausible}
+    return {
+        "cause": "decimal",
+        # A round mass may be one in grams, or a slip.
+        "factor": f"{10.0**-slipped.power:g} times what is written"
+        + (", as if in grams" if slipped.power == _GRAMS else ""),
+        "slipped": f"{slipped.mass:.4g}",
+        "plausible": plausible,
+    }
 
 
 def _hangs_in_the_air(model: Model, body: RigidLinkGroup) -> bool:
