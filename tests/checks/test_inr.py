@@ -332,6 +332,8 @@ def impossible(mass: str, small: str, large: str) -> str:
         (impossible("0.0005", "1e-5", "1e-4"), "helper", Severity.WARNING),
         (impossible("0.0005", "0.01", "0.1"), "fused", Severity.ERROR),
         (impossible("0.1", "1e-5", "1e-4"), "fused", Severity.ERROR),
+        (impossible("0.1", "0", "1e-5"), "fused", Severity.WARNING),  # 2e-6, 3e-6 and 5e-6 in one decimal less
+        (impossible("0.1", "0", "1e-2"), "fused", Severity.ERROR),
     ],
 )
 def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(

@@ -101,7 +101,7 @@ def predict_gazebo(model: Model, link: Link, whole: MergedBody | None, rel_tol: 
         merged = weigh_body(model, tuple(name for name, body in bodies.items() if body == bodies[link.name]))
     except FactUnavailableError:  # the robot is in pieces, which other rules report
         return GAZEBO_MERGES if whole.is_physically_valid(rel_tol) else GAZEBO_REFUSES
-    is_possible = merged is not None and MergedBody("", merged.moments, False).is_physically_valid(rel_tol)
+    is_possible = merged is not None and MergedBody("", merged.moments, False, False).is_physically_valid(rel_tol)
     return GAZEBO_MERGES if is_possible else GAZEBO_REFUSES
 
 

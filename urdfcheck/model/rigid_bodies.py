@@ -71,6 +71,8 @@ class MergedBody:
     """The body's principal moments (kg m²), ascending."""
     link_is_negligible: bool
     """Whether the link adds next to nothing to the body."""
+    tensor_is_negligible: bool
+    """Whether its own tensor does, whatever it weighs."""
 
     def is_physically_valid(self, rel_tol: float) -> bool:
         """Whether the moments are positive and keep the triangle inequality, to within ``rel_tol`` of the largest."""
@@ -226,7 +228,8 @@ def find_merged_body(model: Model, link: Link) -> MergedBody | None:
         return None
     largest = max(map(abs, link.inertial.inertia_components or (0.0,)))
     is_light = _get_link_mass(model, link.name) <= NEGLIGIBLE * whole.mass
-    return MergedBody(heaviest, whole.moments, is_light and largest <= NEGLIGIBLE * whole.moments[0])
+    is_small = largest <= NEGLIGIBLE * whole.moments[0]
+    return MergedBody(heaviest, whole.moments, is_light and is_small, is_small)
 
 
 @fact
