@@ -81,6 +81,7 @@ from urdfcheck.model.motion.fixed_base import list_bolted_links
 from urdfcheck.model.parts import TENSOR_NAMES
 from urdfcheck.model.repairs.inertial_edits import InertialRepair
 from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.shapes.displaced_collisions import list_displaced_collisions
 from urdfcheck.model.shapes.repeated_drawings import list_links_drawn_there
 from urdfcheck.model.shapes.visual_solid import (
     describe_geometry_source,
@@ -113,6 +114,8 @@ _ASSUMED, _FACETS = 1000.0, 0.01
 MIRROR_CAUSES = frozenset({"unmirrored"})
 # Visual and collision shapes of one link differ by so much where a mesh is in another unit.
 _OTHER_UNIT = 100.0
+# Equal shapes farther apart (m) are a warning of GEO005.
+_APART = 0.01
 # A collision shape is not like what is drawn where a side of its box is off by more than this share of the drawing's size
 # (chosen).
 _UNLIKE = 0.25
@@ -265,6 +268,8 @@ def _is_told_elsewhere(model: Model, tensor: DeclaredTensor, judged: DiagnosedIn
         return True  # one small number for all three was typed: no decimals were lost
     if cause == "com_missing" and not _moves_body(model, tensor.link, judged):
         return True
+    if cause == "com_missing" and _is_collision_apart(model, tensor.link, judged):
+        return True  # GEO005 reports the two shapes
     if _draws_other_link(model, tensor.link, judged):
         return True  # SYM003 and SYM004 report both
     return is_chance_decimal(model, tensor, judged)
@@ -654,6 +659,13 @@ def _is_com_of_collision(model: Model, link: Link, judged: DiagnosedInertial) ->
         return False
     off = float(np.linalg.norm(judged.declared.com - colliding.solid.com))
     return off <= _FACETS * measure_extent(colliding.points)
+
+
+def _is_collision_apart(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
+    """Whether the COM is that of a collision shape which is apart from a visual of the same shape: one is out of place."""
+    return _is_com_of_collision(model, link, judged) and any(
+        displaced.link is link and displaced.moved > _APART for displaced in list_displaced_collisions(model)
+    )
 
 
 def _is_along_wheel(model: Model, link: Link, judged: DiagnosedInertial) -> bool:
