@@ -189,6 +189,12 @@ def test_a_mesh_that_was_not_read_is_not_said_to_be_nothing(tmp_path: Path) -> N
     assert "the robot is" in undrawn.headline
 
 
+def test_the_mesh_that_was_not_read_may_be_that_of_a_link_fixed_to_it(tmp_path: Path) -> None:
+    text = make_arm(com=1e3, drawn=BOX).replace("</robot>", f"{link('cover', MESH)}{joint('k', 'l1', 'cover')}</robot>")
+    found = next(one for one in find(tmp_path, text, {"INR018"}))
+    assert "A mesh of cover, which is fixed to it, was not read" in found.message
+
+
 def test_an_unread_mesh_reaches_to_its_origin_at_least(tmp_path: Path) -> None:
     placed = MESH.replace("<geometry>", '<origin xyz="1.8 0 0"/><geometry>')
     assert find_far(tmp_path, make_arm(com=15.0, drawn=MESH)) != []

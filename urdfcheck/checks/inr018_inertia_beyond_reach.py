@@ -42,8 +42,8 @@ _NEAR = {
     "spread": "all that is placed on the link is within {}",
 }
 _UNREAD = {
-    "com": "A mesh of the link was not read. All else that the file places there is within {}",
-    "spread": "a mesh of the link was not read, and all else that is placed there is within {}",
+    "com": "A mesh of {} was not read. All else that the file places there is within {}",
+    "spread": "a mesh of {} was not read, and all else that is placed there is within {}",
 }
 
 
@@ -227,8 +227,10 @@ def _describe_near(model: Model, message: str, far: _FarLink) -> str:
     from urdfcheck.model.shapes.corners import has_known_shapes
 
     body = model.tree.list_body_links(far.link.name)
-    if not all(has_known_shapes(model, model.link_by_name[name]) for name in body):
-        return _UNREAD[message].format(_format_own(far))
+    unread = [name for name in body if not has_known_shapes(model, model.link_by_name[name])]
+    if unread:
+        whose = "the link" if far.link.name in unread else f"{unread[0]}, which is fixed to it,"
+        return _UNREAD[message].format(whose, _format_own(far))
     return _NEAR[message].format(_format_own(far))
 
 
