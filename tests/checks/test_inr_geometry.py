@@ -174,6 +174,25 @@ def test_the_centre_of_mass_may_lie_a_tenth_of_the_size_outside(tmp_path: Path, 
     assert bool(find(tmp_path, content, {"INR006"})) == outside
 
 
+@pytest.mark.parametrize(
+    ("size", "digits", "cause"),
+    [("0.1 0.02 0.02", "", "copied"), ("0.02 0.1 0.02", "", None), ("0.1 0.02 0.02", "1", None)],
+)
+def test_an_inertial_of_links_that_are_drawn_otherwise_was_copied(
+    tmp_path: Path, size: str, digits: str, cause: str | None
+) -> None:
+    def part(name: str, edges: str, mass: str) -> str:
+        return link(
+            name, inertial(mass, ixx=7.04e-5, iyy=2.609e-4, izz=2.561e-4, com="0.14 0.01 0"), visual(box(edges))
+        )
+
+    one, other = part("one", "0.02 0.1 0.02", "0.2888"), part("other", size, f"0.2888{digits}")
+    joints = [joint(f"j_{name}", "base", name, kind="continuous", axis="0 0 1") for name in ("one", "other")]
+    text = robot(link("base", inertial(2, 0.01)), one, other, *joints)
+    found = [f for f in find(tmp_path, text, {"INR006"}) if "link[one]" in f.subjects[0]]
+    assert [finding.cause and finding.cause.id for finding in found] == [cause]
+
+
 def test_a_mass_at_the_end_of_its_part_cannot_spread(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_arm(replace(Part(), com=(0.05, 0, 0))), CODES)
     assert finding.code == "INR005"

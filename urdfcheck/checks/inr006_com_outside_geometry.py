@@ -15,7 +15,7 @@ from urdfcheck.facts.inertials.declared_and_drawn import DeclaredInertial
 from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_distance
 from urdfcheck.facts.inertials.inertia_tensor import Solid, compute_solid_inertia
 from urdfcheck.facts.mesh.diameter import measure_diameter
-from urdfcheck.model import Model
+from urdfcheck.model import Link, Model
 from urdfcheck.model.inertials.habits.minor_findings import set_lost_aside
 from urdfcheck.model.inertials.habits.root_coms import find_root_coms
 from urdfcheck.model.inertials.inertial_hull import (
@@ -24,6 +24,7 @@ from urdfcheck.model.inertials.inertial_hull import (
     enclosed_inertials,
     is_stand_in,
 )
+from urdfcheck.model.inertials.mirrored_inertials import find_same_numbers
 from urdfcheck.model.inertials.proposals.drawn_inertials import draws_part
 from urdfcheck.model.inertials.proposals.inertial_texts import describe_own_call
 from urdfcheck.model.inertials.reach import is_beyond_reach
@@ -45,6 +46,8 @@ _NEAR = 0.1
 _SAME_PRODUCTS, _NO_PRODUCTS = 0.5, 1e-6
 # The products of inertia whose signs change with that of a coordinate.
 _PRODUCTS = {"x": "ixy and ixz", "y": "ixy and iyz", "z": "ixz and iyz"}
+# Two links do not draw the same if their boxes differ by more than this share of the size (chosen).
+_UNLIKE = 0.1
 # A tensor that is so many times the drawn part's, or such a fraction of it, is that of another body, and so is its COM (chosen).
 _OTHER_BODY = 5.0
 
@@ -84,11 +87,20 @@ def _check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
         other_frame = "" if sign is not None or is_bolted else describe_other_frame(model, part.link)
         message = "sign" if sign is not None else "bolted" if is_bolted else "drawn" if other_frame else "outside"
         length = measure_diameter(points)
+        copied = "" if sign is not None or missing or is_of_root else _find_copy(model, part.link)
         yield rule.finding(
             message,
             at=_locate_drawing(part) if other_frame else _locate(part),
             severity=Severity.INFO if is_bolted else None,
-            cause="sign" if sign is not None else "missing" if missing else "root" if is_of_root else None,
+            cause="sign"
+            if sign is not None
+            else "missing"
+            if missing
+            else "root"
+            if is_of_root
+            else "copied"
+            if copied
+            else None,
             edits=() if sign is None else sign.repair.edits,
             link=part.link.name,
             distance=float(f"{distance:.3g}"),
@@ -101,7 +113,28 @@ def _check(model: Model, rule: Rule, *, margin: float) -> Iterator[Finding]:
             advice="" if sign is None else sign.advice,
             evidence=other_frame,
             root=model.tree.root if is_of_root else "",
+            copied=copied,
         )
+
+
+def _find_copy(model: Model, link: Link) -> str:
+    """Name a link with the same mass, COM and tensor that does not draw the same in its frame; empty without one, or where the
+    numbers are so round that chance makes them equal."""
+    com, tensors = None if link.inertial is None else link.inertial.origin.xyz, model.tensor_by_name
+    if link.name not in tensors:
+        return ""
+    same_com = [one.link for one in tensors.values() if one.link is not link and one.inertial.origin.xyz == com]
+    source = find_same_numbers(model, link, (other for other in same_com if _draws_otherwise(model, link, other)))
+    return "" if source is None else source.name
+
+
+def _draws_otherwise(model: Model, one: Link, other: Link) -> bool:
+    """Whether it is known that two links do not draw the same in their frames."""
+    drawn = [measure_link_geometry(model, link) for link in (one, other)]
+    boxes = [np.array([d.points.min(axis=0), d.points.max(axis=0)]) for d in drawn if d is not None]
+    if len(boxes) < 2:
+        return False
+    return bool(np.abs(boxes[0] - boxes[1]).max() > _UNLIKE * float(np.ptp(boxes[0], axis=0).max()))
 
 
 def _find_sign_repair(model: Model, part: EnclosedInertial) -> _SignRepair | None:
