@@ -249,19 +249,21 @@ def test_a_com_at_the_origin_on_a_base_counts_for_all_that_the_base_carries(
     assert bool(find(tmp_path, text, "INR009")) == found
 
 
+@pytest.mark.parametrize("declared", ["", link("world") + link("apart")])
 @pytest.mark.parametrize(
     ("world", "wheel", "found"), [("world", "arm", False), ("stand", "arm", True), ("world", "wheel", True)]
 )
-def test_a_root_on_a_world_that_the_file_does_not_declare_is_bolted(
-    tmp_path: Path, world: str, wheel: str, found: bool
+def test_a_root_on_a_world_of_a_robot_in_pieces_is_bolted(
+    tmp_path: Path, world: str, wheel: str, found: bool, declared: str
 ) -> None:
-    """Drake has a body of this name. A base with wheels rolls in other programs."""
+    """Where the file does not declare it, Drake has a body of this name. A base with wheels rolls in other programs."""
     part, drawn = inertial(1, ixx=0.0042, iyy=0.0083, izz=0.0108), visual(box("0.3 0.2 0.1"), xyz="0.3 0 0")
     text = robot(
         link("foot", part, drawn),
         link(wheel, inertial(1, 0.01), visual(box("0.2 0.2 0.2"))),
         joint("weld", world, "foot"),
         joint("turns", "foot", wheel, kind="continuous"),
+        declared,
     )
     assert bool(find(tmp_path, text, "INR009")) == found
 

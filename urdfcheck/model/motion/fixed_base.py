@@ -92,7 +92,7 @@ def list_bolted_links(model: Model) -> Sequence[str]:
     A hand is fixed to an arm, unless its file says that it is fixed to the world.
     """
     if _is_in_pieces(model):
-        return _list_links_on_undeclared_world(model)
+        return _list_links_on_world(model)
     try:
         root = model.tree.root
         is_held = is_bolted(model) if root in GROUND_NAMES or _carries_long_arms(model) else is_bolted_arm(model)
@@ -179,12 +179,12 @@ def _is_in_pieces(model: Model) -> bool:
     return False
 
 
-def _list_links_on_undeclared_world(model: Model) -> Sequence[str]:
-    """List the links that fixed joints hang on a world which the file does not declare: Drake has a body of that name.
+def _list_links_on_world(model: Model) -> Sequence[str]:
+    """List the links that fixed joints hang on a world, also one which the file does not declare: Drake has a body of that name.
 
     Empty where wheels turn on the robot, by their names: such a base rolls in other programs.
     """
-    if model.base not in {"auto", "fixed"} or "world" in model.link_by_name:
+    if model.base not in {"auto", "fixed"}:
         return ()
     turning = [joint for joint in model.joints if joint.type == "continuous"]
     if any(p.search(f"{one.name} {one.child}") for one in turning for p in (WHEEL_NAME, CASTER_NAME)):
@@ -193,6 +193,8 @@ def _list_links_on_undeclared_world(model: Model) -> Sequence[str]:
         pieces = model.pieces
     except FactUnavailableError:  # the pieces are not trees
         return ()
+    if "world" in model.link_by_name:
+        return () if "world" in pieces.parent_joint else pieces.list_body_links("world")
     hung = [joint.child for joint in model.joints if joint.type == "fixed" and joint.parent == "world"]
     roots = [name for name in hung if name in pieces.child_joints and name not in pieces.parent_joint]
     return [link for name in roots for link in pieces.list_body_links(name)]
