@@ -214,6 +214,19 @@ def test_a_copy_of_such_a_part_has_the_mistake_too_unless_its_com_is_wrong(tmp_p
     assert named == {"link[arm]", "link[elbow]", "link[near]"}
 
 
+def test_the_link_that_a_habit_spoils_most_is_named(tmp_path: Path) -> None:
+    """Bars side by side, of which those of one link are far apart."""
+    parts = [link("base")]
+    for i, (length, apart) in enumerate(((0.3, 0.026), (0.33, 0.027), (0.36, 0.028), (0.4, 0.25))):
+        bars = tuple(((length, 0.05, edge), (0.01, y, 0.02)) for y, edge in ((apart, 0.05), (-apart, 0.04)))
+        shape = geometry(bars)
+        numbers = ADDED(uniform(shape.solid), shape)
+        place = joint(f"j{i}", "base", f"l{i}", kind="continuous", xyz=f"0 0 {i}")
+        parts += [place, link(f"l{i}", format_inertial(numbers, 8), drawn_boxes(bars))]
+    (finding,) = (one for one in find(tmp_path, robot(*parts), "INR009") if one.message_id == "habit")
+    assert " % (l3: " in finding.message
+
+
 @pytest.mark.parametrize("com", [0.0, 0.02])
 def test_more_pieces_than_the_mesh_shows_get_the_drawn_tensor(tmp_path: Path, com: float) -> None:
     """The fin is two pieces in the CAD program, and one in the drawing."""

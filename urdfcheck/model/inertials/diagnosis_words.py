@@ -59,6 +59,8 @@ _ROTATED = 1.5
 # A tensor that stays farther off than this share of its distance shows the mistake by its signs or axes, not by that number
 # (chosen).
 _BETTER = 0.8
+# A tensor that is so many times farther off than the median is named beside it (chosen).
+_MUCH_FARTHER = 5.0
 # What a link is compared with, in the few words of a headline.
 _SHORT_SOURCES = {DRAWN_PART: "the drawn one", OPEN_HULL: "the hull of its mesh"}
 _OWNERS = {DRAWN_PART: DRAWN_PART, OPEN_HULL: "its hull"}
@@ -127,13 +129,14 @@ def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
     """Describe how much nearer the numbers of links are to those of the drawn parts when their mistake is undone."""
     if inertial_diagnoses(model)[links[0].name].diagnosis.cause == "own_missing":
         return _POINTLIKE
-    shares, distances = [], []
+    shares, distances, farthest = [], [], (0.0, "")
     for link in links:
         judged, drawn = inertial_diagnoses(model)[link.name], measure_link_geometry(model, link)
         if judged.diagnosis.mended is None or drawn is None:
             continue
         pair = (judged.declared, judged.diagnosis.mended)
         shares.append([measure_difference(numbers, drawn) for numbers in pair])
+        farthest = max(farthest, (shares[-1][0], link.name))
         distances.append([float(np.linalg.norm(numbers.com - drawn.solid.com)) for numbers in pair])
     if not shares:
         return "they agree better with the drawn parts"
@@ -142,7 +145,10 @@ def describe_median_agreement(model: Model, links: Sequence[Link]) -> str:
     if after < _BETTER * before:
         sources = dict.fromkeys(describe_geometry_source(model, link) for link in links)
         owner = f"{DRAWN_PART}'s" if list(sources) == [DRAWN_PART] else f"that of {' or '.join(sources)}"
-        claims.append(f"the median tensor is {_format_share(after)} off {owner} instead of {_format_share(before)}")
+        worst = f" ({farthest[1]}: {_format_share(farthest[0])})" if farthest[0] > _MUCH_FARTHER * before else ""
+        claims.append(
+            f"the median tensor is {_format_share(after)} off {owner} instead of {_format_share(before)}{worst}"
+        )
     if near < 0.5 * far:
         claims.append(f"the median COM is {format_length(near)} off instead of {format_length(far)}")
     return " and ".join(claims) or "they agree better with the drawn parts"
