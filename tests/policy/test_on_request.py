@@ -291,6 +291,24 @@ def test_of_test_data_only_errors_are_reported(
     assert {f["severity"] for f in named if f["code"] == "PKG004"} == {"warning" if config else "error"}
 
 
+def test_a_package_that_is_kept_aside_is_not_reported(tmp_path: Path) -> None:
+    folder = tmp_path / "deprecated" / "p"
+    (folder / "launch").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package><name>p</name></package>", encoding="utf-8")
+    node = '<node pkg="robot_state_publisher" type="state_publisher" name="n"/>'
+    text = f'<launch>{node}<include file="$(find gazebo_ros)/launch/a.launch"/></launch>'
+    (folder / "launch" / "a.launch").write_text(text, encoding="utf-8")
+    common = ("--format", "json", "--tier", "source")
+    run = json.loads(command(".", *common, cwd=tmp_path).stdout)
+    assert [f for f in run["findings"] if f["severity"] != "info"] == []
+    assert {skip["model"] for skip in run["skipped"] if skip["code"] == SkippedCheck.FINDINGS} == {
+        "deprecated/p/launch/a.launch",
+        "deprecated/p/package.xml",
+    }
+    named = json.loads(command("deprecated/p", *common, cwd=tmp_path).stdout)["findings"]
+    assert {f["code"] for f in named if f["severity"] == "warning"} == {"LCH003", "PKG007"}
+
+
 @pytest.mark.parametrize("place", ["old/r.urdf", "r_old.urdf"])
 @pytest.mark.parametrize("text", [None, "<robot name='r'><link></robot>"], ids=["an error", "not XML"])
 def test_of_a_model_that_is_kept_aside_only_what_stops_its_check_is_reported(

@@ -235,6 +235,37 @@ def test_a_model_that_is_kept_and_not_used_is_like_test_data(
 
 
 @pytest.mark.parametrize(
+    ("given", "files", "is_aside"),
+    [
+        (["."], {}, True),
+        (["."], {"p/launch/a.launch.py": "# get('former')"}, True),
+        (["."], {"p/launch/a.launch.py": "get('former')"}, False),
+        (["."], {"old/other/package.xml": manifest("other"), "old/other/setup.py": "get('former')"}, True),
+        (["old/former"], {}, False),
+        ([".", "old/former"], {}, False),
+    ],
+)
+def test_a_package_in_a_folder_of_what_is_not_used_is_kept_aside_with_its_launch_files_and_their_models(
+    workspace: Path, given: list[str], files: dict[str, str], is_aside: bool
+) -> None:
+    launch = '<launch><param name="robot_description" textfile="$(find former)/urdf/r.urdf"/></launch>'
+    own = {
+        "package.xml": manifest("former"),
+        "urdf/r.urdf": URDF,
+        "launch/a.launch": launch,
+        "launch/b.launch": "<launch/>",
+    }
+    own = {f"old/former/{name}": text for name, text in own.items()}
+    write(workspace, {"p/package.xml": manifest("p"), "p/urdf/r.urdf": URDF, **own, **files})
+    plan = planned(*given)
+    aside = {path.absolute().relative_to(workspace.resolve()).as_posix() for path in plan.kept_aside}
+    aside |= {t.path.as_posix() for t in plan.models if t.is_test_data and t.is_kept_aside}
+    aside.discard("old/other")
+    expected = {"old/former", "old/former/launch/b.launch", "old/former/urdf/r.urdf"}
+    assert aside == (expected if is_aside else set())
+
+
+@pytest.mark.parametrize(
     "text",
     [
         f'<sdf version="1.6" {XMLNS}><xacro:ocean/><world name="w"><model name="m">{LINK}</model></world></sdf>',

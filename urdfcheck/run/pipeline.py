@@ -484,7 +484,8 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
     resolve = functools.cache(lambda path: _resolve_settings(path, plan.configs.get(path), request))
     counts = Counter(unit.id for unit in units)
     targets = (*plan.models, *plan.candidates)
-    test_data = {str(target.path): target.is_kept_aside for target in targets if target.is_test_data}
+    aside = {str(target.path): target.is_kept_aside for target in targets if target.is_test_data}
+    aside |= dict.fromkeys(map(str, plan.kept_aside), True)
     configured = [
         _apply_config(
             unit,
@@ -497,15 +498,15 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         for unit in units
     ]
     return [
-        replace(unit, policy=_set_aside(unit.policy or request.policy, is_unused=test_data[unit.path]))
-        if unit.kind == "model" and unit.path in test_data
+        replace(unit, policy=_set_aside(unit.policy or request.policy, is_unused=aside[unit.path]))
+        if unit.path in aside
         else unit
         for unit in configured
     ]
 
 
 def _set_aside(policy: Policy, *, is_unused: bool) -> Policy:
-    """Return the settings for data of tests, or for a model that is kept and not used."""
+    """Return the settings for data of tests, or for what is kept and not used."""
     return keep_aside(policy) if is_unused else replace(policy, is_for_tests=True)
 
 

@@ -422,6 +422,7 @@ class _Planner:
                         arguments=self.arguments,
                         launches=(path,) if is_only else (),
                         is_test_data=self.is_data_of_test(model, path),
+                        is_kept_aside=self.is_in_unused_package(model, path),
                         xacro=True if is_only and launch.runs_xacro else None,
                     )
                 )
@@ -437,15 +438,29 @@ class _Planner:
                         arguments={**description.arguments, **self.arguments},
                         launches=(path,),
                         is_test_data=self.is_data_of_test(model, path),
+                        is_kept_aside=self.is_in_unused_package(model, path),
                         unknown=description.unknown_arguments - self.arguments.keys(),
                         xacro=description.uses_xacro,
                     )
                 )
 
     def is_data_of_test(self, path: Path, launch: Path) -> bool:
-        """Whether a launch file of tests starts a model which only tests read, in one of the given folders."""
-        given = (self.folders[folder] for folder in self.given_folders if folder in self.folders)
-        return any(folder.is_data_of_test(path, launch) for folder in given)
+        """Whether a launch file of tests starts a model which only tests read, in one of the given folders, or a launch file of
+        an unused package a model of such a package."""
+        is_of_test = any(folder.is_data_of_test(path, launch) for folder in self.iter_given_folders())
+        return is_of_test or self.is_in_unused_package(path, launch)
+
+    def is_in_unused_package(self, *paths: Path) -> bool:
+        """Whether files are in packages that are kept and not used. One that is given by its own path is used."""
+        folders = list(self.iter_given_folders())
+        around = ([f for f in folders if f.path.absolute() in path.absolute().parents] for path in paths)
+        return all(
+            given and all(folder.is_in_unused_package(path) for folder in given)
+            for path, given in zip(paths, around, strict=True)
+        )
+
+    def iter_given_folders(self) -> Iterator[FolderIndex]:
+        return (self.folders[folder] for folder in self.given_folders if folder in self.folders)
 
     def may_be_robot(self, path: Path) -> bool:
         """Whether what a launch file names as a model is not a semantic description, which xacro may also make."""
@@ -542,6 +557,10 @@ class _Planner:
             configs={str(path): config for path in checked if (config := self.get_config(path)) is not None},
             swept_launches=frozenset(filter(self.is_in_given_folder, launches)),
             whole_packages=frozenset(filter(self.is_in_given_folder, packages)),
+            kept_aside=frozenset(
+                [launch for launch in launches if self.is_in_unused_package(launch)]
+                + [package for package in packages if self.is_in_unused_package(package / "package.xml")]
+            ),
             config_errors=tuple(self.config_errors),
             known_packages=self.sort_known_packages(packages),
             macro_files=tuple(self.macro_files),

@@ -24,10 +24,12 @@ from urdfcheck.source.package.package_folders import (
     BUILD_FOLDERS,
     IGNORE_MARKS,
     TEST_FOLDERS,
+    drop_comments,
     get_used_name,
     is_aside_folder,
     is_old_state,
     iter_package_texts,
+    read_manifest_name,
     read_package_texts,
 )
 from urdfcheck.source.project_folders import find_project_folder
@@ -225,7 +227,28 @@ class FolderIndex:
     def is_test_data(self, path: Path) -> bool:
         """Whether a file is in a folder of tests, or is kept and not used, and no file outside such folders includes or names
         it."""
-        return (self._is_in_tests(path) or self._is_kept_copy(path)) and path.name not in self._names_outside_tests
+        is_such = self._is_in_tests(path) or self._is_kept_copy(path)
+        return self.is_in_unused_package(path) or (is_such and path.name not in self._names_outside_tests)
+
+    def is_in_unused_package(self, path: Path) -> bool:
+        """Whether a file is in a package that is kept and not used: it is in a folder for such below this one, and no text of a
+        package elsewhere names it. Whatever its own launch files start is not used either."""
+        return not self._unused_packages.isdisjoint(path.absolute().parents)
+
+    @cached_property
+    def _unused_packages(self) -> frozenset[Path]:
+        kept = {p: name for p in self.packages if self._is_aside(p / "package.xml") and (name := read_manifest_name(p))}
+        named: set[str] = set()
+        if kept:
+            words = compile_names(kept.values())
+            for top in [top for top in self.packages if top not in kept]:
+                for path, text in iter_package_texts(top, self.finder.can_open):
+                    if not self._is_aside(path):
+                        named.update(words.findall(drop_comments(text)))
+        return frozenset(p.absolute() for p, name in kept.items() if name not in named)
+
+    def _is_aside(self, path: Path) -> bool:
+        return self._is_in_folder(path, is_aside_folder)
 
     def is_data_of_test(self, path: Path, launch: Path) -> bool:
         """Whether a file is data of tests that a launch file in a folder of tests starts; both may be outside this folder."""
@@ -242,7 +265,7 @@ class FolderIndex:
     def is_kept_aside(self, path: Path) -> bool:
         """Whether a file is in a folder of files that are kept and not used below this one, or is an old copy of one beside it;
         files in folders of tests aside, which tests may read."""
-        is_kept = self._is_kept_copy(path) or self._is_in_folder(path, is_aside_folder)
+        is_kept = self._is_kept_copy(path) or self._is_aside(path)
         return is_kept and not self._is_in_folder(path, _is_test_folder)
 
     def _is_kept_copy(self, path: Path) -> bool:
@@ -262,7 +285,7 @@ class FolderIndex:
         return frozenset(path.parent for path in robots if not get_used_name(path.name))
 
     def _is_in_tests(self, path: Path) -> bool:
-        return self._is_in_folder(path, _is_test_folder) or self._is_in_folder(path, is_aside_folder)
+        return self._is_in_folder(path, _is_test_folder) or self._is_aside(path)
 
     def _is_in_folder(self, path: Path, is_such: Callable[[str], bool]) -> bool:
         """Whether a file is in a folder with such a name below this one."""

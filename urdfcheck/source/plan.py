@@ -111,6 +111,8 @@ class Plan:
     """Launch files in a folder that was given: its models are checked in any case."""
     whole_packages: frozenset[Path] = frozenset()
     """Packages in a folder that was given, which are checked with all their files."""
+    kept_aside: frozenset[Path] = frozenset()
+    """Those launch files and packages in a folder that was given that are kept and not used."""
     config_errors: tuple[str, ...] = ()
     """Errors in configurations, each text beginning with its place."""
     known_packages: Mapping[str, Sequence[Path]] = field(default_factory=dict)
