@@ -173,6 +173,31 @@ def test_without_a_manifest_a_released_package_is_merely_not_installed(tmp_path:
     assert (finding.message_id, finding.severity) == ("unknown", Severity.INFO)
 
 
+@pytest.mark.parametrize(
+    ("name", "model", "readme", "message", "severity"),
+    [
+        ("pr2_description", False, "", "unknown", Severity.INFO),
+        ("pr2_description", True, "", "package", Severity.WARNING),  # the line may be left from another robot's file
+        ("arms", False, "", "package", Severity.ERROR),
+        ("arms", False, "git clone https://h/u/arms", "unknown", Severity.INFO),
+        ("arms", True, "git clone https://h/u/arms", "package", Severity.WARNING),
+    ],
+)
+def test_a_package_that_can_be_had_elsewhere_is_not_declared_only(
+    tmp_path: Path, name: str, model: bool, readme: str, message: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": '<package format="2"><name>car</name></package>',
+        "launch/car.launch": f"<launch>{load(f'$(find {name})/urdf/r.urdf')}</launch>",
+        "README.md": readme,
+    }
+    files |= {"urdf/car.urdf": CAR.format(shape=BOX)} if model else {}
+    (finding,) = find(tmp_path / "car", files, "LCH001", name="launch/car.launch")
+    assert (finding.message_id, finding.severity) == (message, severity)
+    begin = "clone its repository, as README.md says" if readme else "install it" if name != "arms" else "correct"
+    assert get_repair(finding).startswith(begin)
+
+
 INNER = '<launch><arg name="frame" default="a"/></launch>'
 
 

@@ -47,6 +47,7 @@ from urdfcheck.source.package.similar_files import (
     index_files,
     normalise_path,
     propose_checkout,
+    propose_clone,
 )
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
@@ -350,21 +351,23 @@ def _check_package(
     checkout = propose_checkout(name, launch.finder)
     if _is_in_rosbuild_package(description.file, launch.finder):
         return build_unknown(f"rosbuild finds package {name!r} only in a folder of this name")
-    is_released = name in read_released_packages()
+    clone = propose_clone(name, launch.finder)
+    is_elsewhere = name in read_released_packages() or bool(clone)
     # Without a package.xml nothing can depend on it.
-    if (package is None and is_released) or (
+    if (package is None and is_elsewhere) or (
         package is not None and find_dependent(package, name, launch.finder) is not None
     ):
         return build_unknown(
             f"the submodule of package {name!r} is not checked out"
             if checkout
             else f"package {name!r} is not installed here",
-            repair=checkout or "install the package, or run urdfcheck on the model file",
+            repair=checkout or clone or "install the package, or run urdfcheck on the model file",
         )
     names = _suggest_packages(launch, description, name, package)
     near = _format_suggestions(names)
     declaration = describe_declaration(package, name, launch.finder, shown="it")
     folder = _find_folder_without_manifest(name, path, launch.finder) if package is None else None
+    severity = None
     if folder is not None:
         build = format_path(folder / "CMakeLists.txt")
         near, repair = (
@@ -373,11 +376,13 @@ def _check_package(
         )
     elif checkout:
         near, repair = " (its submodule is not checked out)", f"{checkout}{declaration}"
-    elif is_released and not near:
+    elif package is not None and is_elsewhere and not near:
+        repair = f"{clone or 'install it'}{declaration}"
+        if not _has_own_model(package):  # what is not declared is PKG007's
+            return build_unknown(f"package {name!r} is not installed here", repair=repair)
         # The file may be another robot's, copied as a beginning.
-        own = package is not None and _has_own_model(package)
-        repair = f"install it{declaration}"
-        repair += ", if that robot is meant; else name the model of this package" if own else ""
+        repair += ", if that robot is meant; else name the model of this package"
+        severity = Severity.WARNING
     else:
         place = "" if _have_file(names, description.file, launch.finder) else " and the path"
         repair = f"correct the package name{place}{near}, or install it{declaration}"
@@ -385,6 +390,7 @@ def _check_package(
     return rule.finding(
         "package",
         at=at,
+        severity=severity,
         file=description.file,
         package=name,
         near=near,

@@ -65,7 +65,7 @@ _LEAST_FILES = 3
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
     *("files-gazebo", "files-kept", "files-model", "files-path"),
-    *("expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"),
+    *("expansion-aside", "expansion-declared", "expansion-inside", "expansion-released", "expansion-rosbuild"),
 })  # fmt: skip
 # What a file is of which no program of the robot needs the meshes, by what says so.
 _KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
@@ -131,9 +131,8 @@ def _build_finding(
         else kind
     )
     clone = _find_rosbuild_folder(source, package, at)
-    # No program loads a file that none names where the others name other models, as in XAC001.
-    if message == "expansion" and (is_unused(source) or explain_kept_file(source) == KEPT_ASIDE):
-        message = "expansion-aside"
+    if message == "expansion":
+        message = _name_expansion(source, package)
     is_lost = message in {"files", "expansion"} and not near and not here and not checkout
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
@@ -190,7 +189,8 @@ def _build_finding(
         repair = _add_own_folder(repair, source, package, files)
     if clone is not None and kind == "expansion":
         repair = _describe_rosbuild_repair(source, package, clone)
-    if package and not (checkout or here or near or (declared and package in read_released_packages())):
+    released = read_released_packages()
+    if package and not (checkout or here or near or (declared and package in released)):
         repair = add_checkout(repair, package, source.finder)
     file_here = _find_included_file(source, package, at) if is_lost and not (uses or inside or clone) else None
     repair = _describe_included_file(file_here, package, owner, repair)
@@ -205,7 +205,7 @@ def _build_finding(
         at=at,
         related=[*related, *places],
         edits=[] if scaled else _propose_edits(uses, package, near),
-        severity=_grade(message, is_outside=bool(is_outside)),
+        severity=_grade(message, is_outside=bool(is_outside), is_released=is_lost and not own and package in released),
         consequences=_describe_loss(uses, source, in_gazebo) if lost or message == "files-gazebo" else None,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
         package=package,
@@ -248,8 +248,16 @@ def _build_finding(
         + named_by,
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
-    is_blocked = message in {"expansion-aside", "expansion-declared", "expansion-inside", "expansion-rosbuild"}
+    is_blocked = kind == "expansion" and message in _NOTES
     return replace(finding, blocks_check=True) if is_blocked else finding
+
+
+def _name_expansion(source: Source, package: str) -> str:
+    """Return the message about a model that cannot expand without a package."""
+    # No program loads a file that none names where the others name other models, as in XAC001.
+    if is_unused(source) or explain_kept_file(source) == KEPT_ASIDE:
+        return "expansion-aside"
+    return "expansion-released" if is_released_elsewhere(source, package) else "expansion"
 
 
 def _describe_loss(uses: Sequence[ResourceUse], source: Source, gazebo_model: str) -> dict[str, str]:
@@ -308,12 +316,16 @@ def _are_textures(uses: Iterable[ResourceUse]) -> bool:
     return all(use.attribute.owner.tag == "texture" for use in uses)
 
 
-def _grade(message: str, *, is_outside: bool) -> Severity | None:
-    """Return the severity of a message; None for that of the rule."""
+def _grade(message: str, *, is_outside: bool, is_released: bool) -> Severity | None:
+    """Return the severity of a message; None for that of the rule.
+
+    ``is_released``: whether a released package has the files, as far as is known: the model is right where that is installed.
+    """
     if message in _NOTES and not is_outside:
         return Severity.INFO
     # Without a texture no program loses a shape.
-    return Severity.WARNING if is_outside or message in {"files-released", "textures"} else None
+    is_weaker = is_outside or message in {"files-released", "textures"} or (message == "files" and is_released)
+    return Severity.WARNING if is_weaker else None
 
 
 def _find_dependent(source: Source, package: str, owner: Package | None) -> str | None:

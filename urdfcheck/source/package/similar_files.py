@@ -13,7 +13,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from urdfcheck.core.text import SLIP_LIKENESS, join_names, split_name_words
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import BUILD_FOLDERS
+from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_folders_called
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.setup_py_installs import read_package_data
 from urdfcheck.source.project_folders import find_project_folder
@@ -39,8 +39,10 @@ _MOST_MACRO_FILES, _MOST_MACRO_BYTES = 200, 1_000_000
 _SUBMODULE, _MOST_GIT_BYTES = re.compile(r"(?m)^[ \t]*path[ \t]*=[ \t]*(\S.*?)[ \t\r]*$"), 1_000_000
 _ADDRESS = re.compile(r"(?m)^[ \t]*url[ \t]*=[ \t]*(\S.*?)[ \t\r]*$")
 # The files of vcstool, of which so many are read in a folder, and a repository in one with its address.
-_REPOSITORIES, _MOST_REPOSITORY_FILES = re.compile(r"[^.].*\.repos"), 10
+_REPOSITORIES, _MOST_REPOSITORY_FILES = re.compile(r"[^.].*(?:\.repos|[._-]repos\.ya?ml|\.rosinstall)"), 10
 _REPOSITORY = re.compile(r"(?m)^[ \t]+([\w./-]+):[ \t]*\n(?:[ \t]+(?!url:)\w+:.*\n)*[ \t]+url:[ \t]*(\S+)")
+# The address of a repository in the format of rosinstall, which vcstool reads too.
+_ROSINSTALL = re.compile(r"\buri:[ \t]*[\"']?([^\s\"',}]+)")
 # A text for readers, and the address of a repository in it that they are to clone.
 _FOR_READERS = re.compile(r"(?i)(?:readme|install|installation|setup)[\w.-]*\.(?:md|rst|txt)|readme")
 _CLONED = re.compile(r"\bgit clone (?:-{1,2}[\w-]+(?:[ =](?!-)[\w./-]+)? ){0,5}((?:https?://|git@)[\w./:~@-]+\w)")
@@ -225,25 +227,38 @@ def add_checkout(repair: str, package: str, finder: PackageFinder) -> str:
     if alike:
         first = f"if it is in a submodule ({join_names(alike, 3)}), check that out: `git submodule update --init`"
         return f"{first}; otherwise {repair}"
+    clone = propose_clone(package, finder)
+    if clone:
+        return f"{clone}; otherwise {repair}"
     for file, repositories in _list_repositories(finder):
         listed = select_similar_submodules(repositories, [package])
         if listed:
             place = shlex.quote(format_path(file))
-            own = next(
-                (name for name, url in repositories.items() if package in {_cut_path(name), _cut_path(url)}), None
-            )
-            if own is not None:
-                return f"import its repository, which {file.name} lists: `vcs import < {place}`; otherwise {repair}"
             return f"if it is in {join_names(listed, 2)} of {file.name}, import that: `vcs import < {place}`; otherwise {repair}"
-    documented = _find_documented_clone(package, finder)
-    if documented is not None:
-        file, address = documented
-        return f"clone its repository, as {file.name} says: `git clone {address}`; otherwise {repair}"
     unlike = [] if package in read_released_packages() else _list_outer_submodules(missing, finder)
     if unlike:
         unread = join_names(unlike, 3)
         return f"{repair}; if a submodule that is not checked out has it ({unread}), `git submodule update --init`"
     return repair
+
+
+def propose_clone(package: str, finder: PackageFinder) -> str:
+    """Return how the repository that has the name of a package is obtained, as a file of the project says; empty if none does."""
+    for file, repositories in _list_repositories(finder):
+        if any(package in {_cut_path(name), _cut_path(url)} for name, url in repositories.items()):
+            return f"import its repository, which {file.name} lists: `vcs import < {shlex.quote(format_path(file))}`"
+    documented = _find_documented_clone(package, finder)
+    if documented is None:
+        return ""
+    file, address = documented
+    return f"clone its repository, as {file.name} says: `git clone {address}`"
+
+
+def find_empty_folder(package: str, top: Path, finder: PackageFinder) -> Path | None:
+    """Return the folder of a package's name in a repository, ``top``, that is empty although its clone has it."""
+    submodules = list_missing_submodules(finder)
+    empty = (folder for folder in list_folders_called(package, top) if finder.can_open(folder) and _is_empty(folder))
+    return next((folder for folder in empty if folder.relative_to(top).as_posix() not in submodules), None)
 
 
 def _list_outer_submodules(submodules: Iterable[str], finder: PackageFinder) -> list[str]:
@@ -295,7 +310,10 @@ def list_missing_submodules(finder: PackageFinder) -> dict[str, str]:
 
 def _list_repositories(finder: PackageFinder) -> list[tuple[Path, dict[str, str]]]:
     """Return the files of vcstool around the start that list repositories to import: by the name of each its address."""
-    return [(file, dict(_REPOSITORY.findall(text))) for file, text in _iter_texts_around(_REPOSITORIES, finder)]
+    return [
+        (file, dict(_REPOSITORY.findall(text)) | {url: url for url in _ROSINSTALL.findall(text)})
+        for file, text in _iter_texts_around(_REPOSITORIES, finder)
+    ]
 
 
 def _find_documented_clone(package: str, finder: PackageFinder) -> tuple[Path, str] | None:
@@ -308,8 +326,8 @@ def _find_documented_clone(package: str, finder: PackageFinder) -> tuple[Path, s
 
 
 def _iter_texts_around(names: re.Pattern[str], finder: PackageFinder) -> Iterator[tuple[Path, str]]:
-    """Yield the files of such ``names`` in the folders around the start, each with its text."""
-    for folder in finder.list_parent_folders():
+    """Yield the files of such ``names`` in the folders around the start and in the packages there, each with its text."""
+    for folder in dict.fromkeys([*finder.list_parent_folders(), *finder.list_workspace_packages().values()]):
         try:
             found = sorted(filter(names.fullmatch, os.listdir(folder)))
         except OSError:
