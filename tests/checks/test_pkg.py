@@ -395,6 +395,16 @@ def test_a_build_that_makes_the_meshes_names_each(tmp_path: Path, named: str, se
     assert (finding.code, finding.severity) == ("PKG002", severity)
 
 
+@pytest.mark.parametrize(
+    ("name", "severity"), [("ur_description", Severity.WARNING), ("arm_5_description", Severity.ERROR)]
+)
+def test_files_of_a_released_package_are_there_where_it_is_installed(
+    tmp_path: Path, name: str, severity: Severity
+) -> None:
+    finding = only(audit(package(tmp_path), make_mesh_link("a", f"package://{name}/meshes/a.stl")))
+    assert (finding.message_id, finding.severity) == ("files", severity)
+
+
 def test_another_version_of_a_released_package_may_have_the_mesh(tmp_path: Path) -> None:
     write(tmp_path, {"q/package.xml": "<package><name>ur_description</name></package>", "q/meshes/b.stl": ""})
     finding = only(audit(package(tmp_path), make_mesh_link("a", "package://ur_description/meshes/a.stl")))
@@ -1414,6 +1424,108 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
     assert (finding.message_id, finding.severity) == (message, Severity.WARNING)
     assert finding.fix is not None
     assert bool(finding.fix.edits) == (message == "undeclared")
+
+
+REPOSITORIES = "repositories:\n  x/arm5:\n    type: git\n    url: https://h/u/a.git\n"
+
+
+@pytest.mark.parametrize(
+    ("files", "repair"),
+    [
+        ({}, "correct the name if it is an old one; "),
+        ({"all.repos": REPOSITORIES}, "import its repository, which all.repos lists: `vcs import < "),
+        ({"all_repos.yaml": REPOSITORIES}, "import its repository, which all_repos.yaml lists: `vcs import < "),
+        (
+            {"all.rosinstall": "- git: {local-name: x, uri: 'https://h/u/arm5'}\n"},
+            "import its repository, which all.rosinstall lists: ",
+        ),
+        ({"README.md": "git clone https://h/u/arm5.git"}, "clone its repository, as README.md says: "),
+        (
+            {"q/package.xml": manifest(name="q"), "q/README.md": "git clone https://h/u/arm5"},
+            "clone its repository, as",
+        ),
+        ({"src/arm5/": ""}, "src/arm5 is empty, as git leaves"),
+        ({"arm5/package.xml": "<package><name>arm_5</name></package>"}, "write `arm_5` for arm5: package.xml of arm5 "),
+    ],
+)
+def test_the_repair_says_where_a_package_is_that_is_not_found(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, files: dict[str, str], repair: str
+) -> None:
+    launch = '<launch><include file="$(find arm5)/a.launch"/></launch>'
+    write(tmp_path, {".git/HEAD": "", "p/package.xml": manifest(), "p/urdf/r.urdf": URDF, "p/launch/a.launch": launch})
+    write(tmp_path, {name: text for name, text in files.items() if not name.endswith("/")})
+    for name in files:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        if name.endswith("/"):
+            (tmp_path / name).mkdir()
+    monkeypatch.chdir(tmp_path)
+    (finding,) = findings(Path(), "PKG007")
+    assert (finding.message_id, finding.severity) == ("unknown", Severity.WARNING)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+    assert not finding.fix.edits
+
+
+@pytest.mark.parametrize(
+    ("comment", "told"),
+    [
+        ("the launch files start joy", True),
+        ("joy is not declared, because it is built from source", False),
+        ("joy_node is not declared, because it is built from source", True),
+    ],
+)
+def test_a_comment_of_the_manifest_says_that_a_package_is_left_out(tmp_path: Path, comment: str, told: bool) -> None:
+    nodes = '<include file="$(find joy)/a.launch"/><node pkg="joy" type="joy_node" name="n"/>'
+    launch = f'<launch>{nodes}<include file="$(find rviz)/a.launch"/></launch>'
+    write(tmp_path, {"package.xml": manifest(f"<!-- {comment} -->"), "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == [["joy", "rviz"] if told else ["rviz"]]
+
+
+@pytest.mark.parametrize(
+    ("name", "place", "file", "severity"),
+    [
+        ("p", "src/p", "launch/a.launch", Severity.WARNING),
+        ("p", "src/third_party/p", "launch/a.launch", Severity.INFO),
+        ("p", "src/p", "test/a.launch", Severity.WARNING),
+        ("gazebo_plugins", "src/p", "test/a.launch", Severity.INFO),
+    ],
+)
+def test_what_a_package_of_others_does_not_declare_is_a_note(
+    tmp_path: Path, name: str, place: str, file: str, severity: Severity
+) -> None:
+    launch = '<launch><include file="$(find joy)/a.launch"/></launch>'
+    own = {"package.xml": manifest(name=name), "urdf/r.urdf": URDF, file: launch}
+    write(tmp_path, {".git/HEAD": "", **{f"{place}/{path}": text for path, text in own.items()}})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert (finding.data["names"], finding.severity) == (["joy"], severity)
+
+
+def test_a_file_that_is_installed_beside_its_folder_is_used(tmp_path: Path) -> None:
+    export = "<export><build_type>ament_python</build_type></export>"
+    setup = "from glob import glob\nsetup(data_files=[('share/p', ['package.xml']), ('share/p', glob('launch/*.py'))])"
+    code = "Node(package='arm5', executable='a')\nFindPackageShare('arm5')\n"
+    write(
+        tmp_path, {"package.xml": manifest(export), "setup.py": setup, "urdf/r.urdf": URDF, "launch/a.launch.py": code}
+    )
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == [["arm5"]]
+
+
+@pytest.mark.parametrize("name", ["r.urdf (copy).xacro", "r (copy).urdf", "s_old.urdf", "s.urdf"])
+def test_uses_in_copies_and_in_what_no_program_reads_do_not_count(tmp_path: Path, name: str) -> None:
+    text = URDF.replace("</robot>", '<mesh filename="package://other/a.stl"/>' + "</robot>" * (name != "s.urdf"))
+    own = {"package.xml": manifest(), "urdf/r.urdf": URDF, "urdf/r.urdf.xacro": URDF, f"urdf/{name}": text}
+    files = {".git/HEAD": "", "other/package.xml": manifest(name="other"), "other/a.stl": ""}
+    write(tmp_path, {**files, **{f"p/{place}": text for place, text in own.items()}})
+    assert "PKG007" not in {f.code for f in findings(tmp_path, "PKG007")}
+    write(tmp_path, {"p/launch/b.launch.py": f"'urdf/{name}'"})
+    assert ("PKG007" in {f.code for f in findings(tmp_path, "PKG007")}) == (name != "s.urdf")
+
+
+def test_a_package_whose_program_is_started_is_no_old_name(tmp_path: Path) -> None:
+    text = '<node pkg="lidar" type="driver" name="n"/><rosparam file="$(find lidar)/config/scan.yaml"/>'
+    launch = f"<launch>{text}</launch>"
+    write(tmp_path, {"package.xml": manifest(), "urdf/r.urdf": URDF, "launch/a.launch": launch, "config/scan.yaml": ""})
+    assert [f.message_id for f in findings(tmp_path, "PKG007")] == ["unknown"]
 
 
 @pytest.mark.parametrize(("depends", "message"), [("q", "files-declared"), ("r", "files")])

@@ -11,12 +11,19 @@ from itertools import islice, takewhile
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
-from urdfcheck.core.text import join_names
+from urdfcheck.core.text import compile_names, join_names
 from urdfcheck.source.launch.around.passing_files import is_off_by_default
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command
-from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
-from urdfcheck.source.package.finder import Package, has_dependency_entry, is_kept_aside, load_package
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES, is_launch, is_model
+from urdfcheck.source.package.finder import (
+    Package,
+    format_path,
+    has_dependency_entry,
+    is_kept_aside,
+    is_unnamed_copy,
+    load_package,
+)
 from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
 from urdfcheck.source.package.package_folders import IGNORE_MARKS, TEST_FOLDERS, read_manifest_name
 from urdfcheck.source.package.references import (
@@ -28,8 +35,13 @@ from urdfcheck.source.package.references import (
     read_package_contents,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
-from urdfcheck.source.package.similar_files import list_missing_submodules, select_similar_submodules
-from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
+from urdfcheck.source.package.similar_files import (
+    find_empty_folder,
+    list_missing_submodules,
+    propose_clone,
+    select_similar_submodules,
+)
+from urdfcheck.source.project_folders import find_project_folder, is_shared_by_all, list_shared_folders
 from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
 from urdfcheck.source.ros.setup_templates import is_left_out_by_template
 from urdfcheck.source.text.remembered import text_fact
@@ -37,6 +49,10 @@ from urdfcheck.source.text.xml import COMMENT, Element, SourceFile, XmlError, pa
 from urdfcheck.system.files import read_regular, read_text_or_nothing
 
 _EXAMPLE_FOLDERS = frozenset({"example", "examples"})
+# Folders of what others have made, by their names in lower case.
+_VENDORED_FOLDERS = frozenset(
+    {"3rd_party", "3rdparty", "external", "third-party", "third_party", "thirdparty", "vendor"}
+)
 # PKG001 reports unknown packages that other files name.
 _LAUNCH_SUFFIXES = (".launch", ".launch.xml", ".py")
 _ROS1_LAUNCH = re.compile(r"\$\(find\s|<node\b[^<>]*\stype\s*=")
@@ -46,6 +62,8 @@ _PROGRAM = re.compile(r"""\b(?:type|exec)\s*=\s*["']([^"']+)["']""")
 _ROBOT_SUFFIXES = (".urdf", ".xacro", ".sdf", *MESH_SUFFIXES)
 # A dependency in a comment of package.xml.
 _DEPEND = re.compile(r"<\w*depend\b[^<>]*>\s*([\w.-]+)\s*</\w*depend>")
+# What a comment says of a package that is not declared on purpose.
+_LEFT_OUT = re.compile(r"(?i)\bnot\b|\bfrom source\b|\bintentional|\bomit|\bleft out\b|\bon purpose\b")
 # Messages about packages that cannot both declare each other.
 _MUTUAL = frozenset({"circle", "mutual", "presumed-circle", "ring"})
 # Messages about lines to add to package.xml.
@@ -85,6 +103,8 @@ _VIEW_SUFFIX = ".rviz"
 _SHAPE_FOLDERS = frozenset({"mesh", "meshes", "textures", "materials"})
 # So many packages of the repository are read for one through which another uses this package.
 _MOST_IN_CHAIN = 40
+# So many places a repair names from which packages that are not found are obtained.
+_MOST_PLACES = 3
 # So many files of each package of the repository are compared.
 _MOST_FILES = 20_000
 
@@ -103,17 +123,19 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     for mention in read_package_contents(package).mentions:
         if mention.package not in declared and not mention.optional and not _is_aside(mention, package):
             undeclared.setdefault(mention.package, []).append(mention)
+    undeclared = {name: uses for name, uses in undeclared.items() if not _is_explained(name, file.text)}
     missing = _select_missing(package, undeclared) if undeclared else {}
     for name in [name for name in missing if _is_out_of_the_build(_find_package(package, name), package)]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     named = set(missing)
     core = _IN_ROS_CORE[name_launch_command(root)]
-    started = _collect_started(package, declared | core) if missing else {}
+    programs = _collect_started(package, declared | core) if missing else {}
+    programs = {name: uses for name, uses in programs.items() if not _is_explained(name, file.text)}
     # The program of a package that a launch file starts is in no copy of its files, unless the package was renamed.
-    own = {name for name, uses in started.items() if name in missing and all(_is_of_own(use, package) for use in uses)}
+    own = {name for name, uses in programs.items() if name in missing and all(_is_of_own(use, package) for use in uses)}
     homes = {
-        name: _find_home(package, name, uses) for name, uses in missing.items() if name not in started.keys() - own
+        name: _find_home(package, name, uses) for name, uses in missing.items() if name not in programs.keys() - own
     }
     misnamed = {name: home for name, home in homes.items() if home is not None}
     for name, home in misnamed.items():
@@ -143,7 +165,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         )
     if missing and not _is_as_released(package, missing):
         without = named | (_ONLY_IN_ROS1 if name_launch_command(root) == "ros2_launch" else set())
-        started = {name: uses for name, uses in started.items() if name not in without}
+        known = {name: uses for name, uses in programs.items() if name not in without and _is_known(package, name)}
+        started = {name: uses for name, uses in known.items() if not _is_above(package, name)}
         missing |= _drop_uses_of_ros1(_select_missing(package, started), root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
@@ -167,9 +190,22 @@ def _is_as_released(package: Package, missing: Collection[str]) -> bool:
     return is_beside_others and all(name in released and name not in workspace for name in missing)
 
 
+def _is_vendored(package: Package) -> bool:
+    """Whether a package is in a folder of the repository for what others have made: the line is missing at its author's too."""
+    place = Path(os.path.realpath(package.path))
+    folders = place.relative_to(find_project_folder(place)).parts[:-1]
+    return not _VENDORED_FOLDERS.isdisjoint(folder.lower() for folder in folders)
+
+
 def _list_commented_dependencies(manifest: str) -> set[str]:
     """Return the names in the ``<…depend>`` lines that comments of a package.xml hold."""
     return {name for comment in COMMENT.findall(manifest) for name in _DEPEND.findall(comment)}
+
+
+def _is_explained(name: str, manifest: str) -> bool:
+    """Whether a comment of a package.xml names a package and says that it is left out: rosdep may not know it."""
+    named = compile_names((name,))
+    return any(named.search(comment) and _LEFT_OUT.search(comment) for comment in COMMENT.findall(manifest))
 
 
 def _is_inside_another(folder: Path | None, package: Package) -> bool:
@@ -224,7 +260,7 @@ def _select_missing(
 
 
 def _collect_started(package: Package, declared: Collection[str]) -> dict[str, list[PackageMention]]:
-    """Return the known packages of programs that launch files start: a list of what is missing has them too.
+    """Return the packages of programs that launch files start: a list of what is missing has those that are known too.
 
     By themselves they are not reported: many packages of robots leave them to the user.
     """
@@ -235,7 +271,7 @@ def _collect_started(package: Package, declared: Collection[str]) -> dict[str, l
             continue
         if not _is_stray(mention, package, install):
             started.setdefault(mention.package, []).append(mention)
-    return {name: uses for name, uses in started.items() if _is_known(package, name) and not _is_above(package, name)}
+    return started
 
 
 def _is_above(package: Package, name: str) -> bool:
@@ -273,12 +309,12 @@ def _build_finding(
     names = list(missing)
     uses = [use for uses in missing.values() for use in uses]
     missing_modules = list_missing_submodules(package.finder) if package.finder and message in _UNKNOWN else {}
-    is_note = message in _MUTUAL and (
-        _are_defaults(uses) or _are_in_launch_files(uses) or set(tags.values()) == {"test_depend"}
-    )
+    is_released, is_for_tests = package.name in read_released_packages(), set(tags.values()) == {"test_depend"}
+    is_note = message in _MUTUAL and (_are_defaults(uses) or _are_in_launch_files(uses) or is_for_tests)
     # Where ROS has released this package, its users do without what only its author has.
-    is_spare = package.name in read_released_packages() or set(tags.values()) == {"test_depend"}
+    is_spare = is_released or is_for_tests
     is_note |= message in _UNKNOWN and (is_spare or is_off)
+    is_note |= message in _MISSING_LINES and (_is_vendored(package) or (is_released and is_for_tests))
     finding = rule.finding(
         message,
         at=root.find_child("name") or root,
@@ -306,7 +342,7 @@ def _build_finding(
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
         checked_out="what is checked out of the repository" if missing_modules else "the repository",
         unfound=_describe_similar(missing, package, message)
-        + _describe_unfound(names, tags, select_similar_submodules(missing_modules, names)),
+        + (_describe_unfound(package, tags, missing_modules) if message in _UNKNOWN else ""),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
     )
     consequences = _name_launcher(finding.consequences, root)
@@ -340,29 +376,56 @@ def _select_consequences(consequences: Mapping[str, str], names: Collection[str]
 
 
 def _describe_similar(missing: Mapping[str, Sequence[PackageMention]], package: Package, message: str) -> str:
-    """Name the packages that are spelt like those that are not found and have one of the files."""
+    """Name the packages that are meant by those that are not found: the manifest in a folder of that name has another one, or a
+    package of a similar name has one of the files."""
     if message not in _UNKNOWN or package.finder is None:
         return ""
     alike: list[str] = []
+    last = "; else " if len(missing) == 1 else "; "
     for name, uses in missing.items():
+        folder = package.finder.find(name)
+        other = None if folder is None else read_manifest_name(folder)
+        if folder is not None and other is not None:
+            return f"write `{other}` for {name}: package.xml of {format_path(folder)} has this name{last}"
         files = {use.subpath.strip("/") for use in uses if "." in use.subpath and "$" not in use.subpath}
         near = package.finder.suggest_names(name, files) if files else []
         if len(near) == 1:
             alike.append(f"write `{near[0]}` for {name} if that is meant: it has the file")
-    last = "; else " if len(missing) == 1 else "; "
     return f"{alike[0]}{last}" if len(alike) == 1 else ""
 
 
-def _describe_unfound(names: Sequence[str], tags: Mapping[str, str], submodules: Sequence[str]) -> str:
-    """Say what to do about packages that are not found."""
+def _describe_unfound(package: Package, tags: Mapping[str, str], missing_modules: Mapping[str, str]) -> str:
+    """Say what to do about packages that are not found; ``tags``: the kind of each that would be declared."""
+    names = list(tags)
     lines = " ".join(f"`<{tags[name]}>{name}</{tags[name]}>`" for name in names)
     one = len(names) == 1
+    places = {name: place for name in names if (place := _describe_place(name, package))}
+    shared = {place: [name for name in places if places[name] == place] for place in places.values()}
+    shown = list(islice(shared.items(), _MOST_PLACES))
+    known = "".join(f"{place}; " if one else f"{join_names(there, 3)}: {place}; " for place, there in shown)
+    if len(places) == len(names):
+        return f"{known}declare {'it' if one else 'them'}: {lines}"
+    submodules = select_similar_submodules(missing_modules, names)
     if submodules:
         here = f"declare {'it if it is' if one else 'those that are'} in a submodule that is not checked out"
-        return f"{here} ({join_names(submodules, 3)}) or elsewhere: {lines}; correct {'an old name' if one else 'old names'}"
+        known += f"{here} ({join_names(submodules, 3)}) or elsewhere: {lines}; correct "
+        return known + ("an old name" if one else "old names")
     if one:
         return f"correct the name if it is an old one; if it is built from source, declare it: {lines}"
-    return f"correct the names that are old ones; declare those that are built from source: {lines}"
+    return f"{known}correct the names that are old ones; declare those that are built from source: {lines}"
+
+
+def _describe_place(name: str, package: Package) -> str:
+    """Say how a package that is not found is obtained, as far as the project shows."""
+    finder = package.finder
+    clone = "" if finder is None else propose_clone(name, finder)
+    top = None if clone or finder is None else finder.find_repository()
+    empty = None if finder is None or top is None else find_empty_folder(name, top, finder)
+    if empty is None:
+        return clone
+    return (
+        f"{format_path(empty)} is empty, as git leaves a repository in another that no .gitmodules names: add its files"
+    )
 
 
 def _name_launcher(consequences: Mapping[str, str], root: Element) -> dict[str, str]:
@@ -388,11 +451,11 @@ def _is_known(package: Package, name: str) -> bool:
 
 
 def _find_package(package: Package, name: str) -> Path | None:
-    """Return the folder of a package that is found; a folder without a manifest is one only where the user says so."""
+    """Return the folder of a package that is found; one whose manifest has not this name is it only where the user says so."""
     folder = None if package.finder is None else package.finder.find(name)
     if folder is None or package.finder is None:
         return None
-    return folder if name in package.finder.explicit or read_manifest_name(folder) is not None else None
+    return folder if name in package.finder.explicit or read_manifest_name(folder) == name else None
 
 
 def _is_probably_above(package: Package, name: str) -> bool:
@@ -423,8 +486,8 @@ def _list_folders(use: PackageMention, package: Package) -> tuple[str, ...]:
 
 
 def _is_aside(use: PackageMention, package: Package) -> bool:
-    """Whether the file that names a package is kept in a folder of what is no longer used, is an example, or is a launch file
-    that no program can read, or that MoveIt's setup assistant writes without declaring the package.
+    """Whether the file that names a package is kept in a folder of what is no longer used, is an old copy or an example, or is a
+    file that no program can read, or that MoveIt's setup assistant writes without declaring the package.
 
     An example may need more than the package does.
     """
@@ -435,12 +498,15 @@ def _is_aside(use: PackageMention, package: Package) -> bool:
     file = Path(use.location.span.file)
     if is_left_out_by_template(use.package, file, package.path):
         return True
-    return is_kept_aside(file, package) or (_are_in_launch_files([use]) and _is_malformed(file))
+    if is_kept_aside(file, package) or _is_malformed(file):
+        return True
+    return package.finder is not None and is_unnamed_copy(file, package, package.finder.can_open)
 
 
-def _is_malformed(launch: Path) -> bool:
-    """Whether a launch file in XML is not well-formed: nothing in it is checked (XML001), and no program starts it."""
-    return launch.suffix != ".py" and not _is_well_formed(read_text_or_nothing(launch))
+def _is_malformed(file: Path) -> bool:
+    """Whether a launch file or a model is not well-formed: nothing in it is checked (XML001), and no program loads it."""
+    is_xml = is_model(file) or (is_launch(file) and file.suffix != ".py")
+    return is_xml and not _is_well_formed(read_text_or_nothing(file))
 
 
 @text_fact
@@ -459,9 +525,10 @@ def _is_stray(use: PackageMention, package: Package, install: InstallRules | Non
         return True
     if install is None or use.location.span is None:
         return False
-    if folders:
-        return not install.installed.may_fill(folders[0])
     file = Path(os.path.abspath(use.location.span.file))
+    if folders:  # its folder may be installed under another name, too
+        inside = PurePosixPath(*folders, file.name).as_posix()
+        return not (install.installed.may_fill(folders[0]) or install.installed.may_install(inside))
     is_at_top = file.parent == package.path.absolute() and _are_in_launch_files([use])
     return is_at_top and not install.installed.may_install(file.name)
 

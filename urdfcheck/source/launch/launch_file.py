@@ -15,15 +15,13 @@ from pathlib import Path
 
 from urdfcheck.core import Location
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import compile_names
 from urdfcheck.source.launch.built_files import find_template, is_git_ignored, may_be_built
 from urdfcheck.source.launch.python_launch_file import MAX_PYTHON, PythonLaunch, read_python_launch
 from urdfcheck.source.launch.static_transforms import StaticTransform, read_static_transforms
 from urdfcheck.source.launch.substitutions import SubstitutionResolver, UnresolvedReason, Value, split_command
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES
-from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside
-from urdfcheck.source.package.package_folders import get_used_name, is_old_state, read_package_texts
+from urdfcheck.source.package.finder import Package, PackageFinder, format_path, is_kept_aside, is_unnamed_copy
 from urdfcheck.source.reach import OUT_OF_REACH, FileReach
 from urdfcheck.source.text.problems import Problem, locate_start
 from urdfcheck.source.text.python import parse_python
@@ -143,22 +141,10 @@ class Launch:
 
     @property
     def is_kept_aside(self) -> bool:
-        """Whether it is in a folder of files that are kept and not used, or no text of the package names it and its name says
-        that it is an old state, or an old copy of one beside it: ``car_old.launch``, ``car (copy).launch`` of ``car.launch``."""
+        """Whether it is in a folder of files that are kept and not used, or is an old copy that no text of the package names."""
         if self.package is None:
             return False
-        if is_kept_aside(self.path, self.package):
-            return True
-        if not (is_old_state(self.path.name) or self._has_original_beside()):
-            return False
-        own = compile_names((self.path.name,))
-        return not any(map(own.search, read_package_texts(self.package.path, self.finder.can_open)))
-
-    def _has_original_beside(self) -> bool:
-        """Whether it is named as a copy of a file beside it."""
-        used = get_used_name(self.path.name)
-        original = self.path.with_name(used or self.path.name)
-        return bool(used) and self.finder.can_open(original) and original.is_file()
+        return is_kept_aside(self.path, self.package) or is_unnamed_copy(self.path, self.package, self.finder.can_open)
 
     @property
     def nodes(self) -> list[Element]:

@@ -4,22 +4,25 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from urllib.parse import unquote
 
 from urdfcheck.core.records import dataclass
-from urdfcheck.core.text import SLIP_LIKENESS
+from urdfcheck.core.text import SLIP_LIKENESS, compile_names
 from urdfcheck.source.package.build_files import LARGEST_BUILD_FILE, read_build_type, read_installed_files
 from urdfcheck.source.package.installed_files import InstalledFiles
 from urdfcheck.source.package.package_folders import (
     PackagesByName,
     SearchedFolders,
     find_nearest_folder,
+    get_used_name,
     is_aside_folder,
+    is_old_state,
     list_folders_called,
     list_subfolders,
     read_manifest_name,
+    read_package_texts,
     walk_packages,
 )
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -86,6 +89,16 @@ def is_kept_aside(file: Path, package: Package | None) -> bool:
     file, top = Path(os.path.abspath(file)), package.path.absolute()
     folders = file.relative_to(top).parts[:-1] if file.is_relative_to(top) else ()
     return any(map(is_aside_folder, folders))
+
+
+def is_unnamed_copy(file: Path, package: Package, can_open: Callable[[Path], bool]) -> bool:
+    """Whether the name of a file says that it is an old state, or an old copy of one beside it, and no text of its package names
+    it: ``car_old.launch``, ``car (copy).launch`` of ``car.launch``."""
+    original = file.with_name(get_used_name(file.name) or file.name)
+    if not is_old_state(file.name) and not (original != file and can_open(original) and original.is_file()):
+        return False
+    own = compile_names((file.name,))
+    return not any(map(own.search, read_package_texts(package.path, can_open)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
