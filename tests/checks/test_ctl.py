@@ -383,6 +383,16 @@ def test_a_path_of_another_machine_names_its_package(tmp_path: Path, path: str, 
     assert [fix.title for fix in fixes if fix is not None] == ([] if written is None else [f"write {written}"])
 
 
+def test_a_folder_is_no_package_to_which_a_path_of_another_machine_leads(tmp_path: Path) -> None:
+    body = PLUGIN.format("/home/me/ws/src/arm_moveit/config/c.yaml")
+    (tmp_path / "config").mkdir()
+    package(tmp_path / "arm_moveit", {"config/c.yaml": group("left_wheel")}, name="arm_moveit")
+    run = check(package(tmp_path / "cart", {"urdf/cart.urdf": make_cart(body)}), codes={"CTL004"})
+    (machine,) = [f.fix for f in run.findings if f.message_id == "machine"]
+    assert machine is not None
+    assert machine.title == "make the model a xacro and write $(find arm_moveit)/config/c.yaml"
+
+
 def test_a_path_of_the_projects_container_is_a_note(tmp_path: Path) -> None:
     body = PLUGIN.format("/ws/install/cart/share/cart/config/c.yaml")
     for workdir, severity in (("/ws", "info"), ("/other/ws", "warning"), ("/ws2", "warning")):

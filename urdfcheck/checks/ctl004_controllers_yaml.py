@@ -257,14 +257,19 @@ def _list_entries(folder: Path) -> list[Path]:
 
 
 def _read_package_in_path(model: Model, path: str) -> tuple[str, str] | None:
-    """Read a package and a path in it from the path of another machine: behind ``share/``, or of a package that is known."""
+    """Read a package and a path in it from the path of another machine: behind ``share/``, or of a package that is known, if
+    possible of one that has the file."""
     installed = _INSTALLED.search(path)
     if installed is not None:
         return installed[1], installed[2]
     parts = path.strip("/").split("/")
-    known = (number for number, part in enumerate(parts[:-1]) if model.source.finder.find(part) is not None)
-    at = max(known, default=None)
-    return None if at is None else (parts[at], "/".join(parts[at + 1 :]))
+    finder, known = model.source.finder, []
+    for number, part in enumerate(parts[:-1]):
+        folder, below = finder.find_by_manifest(part), "/".join(parts[number + 1 :])
+        if folder is not None:
+            has_file = finder.can_open(folder / below) and (folder / below).is_file()
+            known.append((has_file, number, part, below))
+    return max(known)[2:] if known else None
 
 
 def _check_unknown_joints(

@@ -451,11 +451,7 @@ def _is_known(package: Package, name: str) -> bool:
 
 
 def _find_package(package: Package, name: str) -> Path | None:
-    """Return the folder of a package that is found; one whose manifest has not this name is it only where the user says so."""
-    folder = None if package.finder is None else package.finder.find(name)
-    if folder is None or package.finder is None:
-        return None
-    return folder if name in package.finder.explicit or read_manifest_name(folder) == name else None
+    return None if package.finder is None else package.finder.find_by_manifest(name)
 
 
 def _is_probably_above(package: Package, name: str) -> bool:

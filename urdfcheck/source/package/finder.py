@@ -171,6 +171,12 @@ class PackageFinder:
                 note_lookup(found / "package.xml")
         return self._found[name]
 
+    def find_by_manifest(self, name: str) -> Path | None:
+        """Return the folder of a package; one whose manifest has not this name is it only where the user says so."""
+        folder = self.find(name)
+        is_meant = folder is not None and (name in self.explicit or read_manifest_name(folder) == name)
+        return folder if is_meant else None
+
     def list_meant(self, name: str, file: Path) -> list[Path]:
         """Return the folders that a package's name in a file may mean: the package around the file, or else every known one."""
         own = self.find_package_of(file.absolute())
