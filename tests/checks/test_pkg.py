@@ -840,6 +840,7 @@ def test_include_that_leads_out_of_the_package(tmp_path: Path) -> None:
         ("package:p/meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "package://p/meshes/a.stl"),
         ("file:../meshes/a.stl", ("PKG011", "slashes", Severity.ERROR), "../meshes/a.stl"),
         ("package://p/my meshes/a.stl", ("PKG011", "blank", Severity.WARNING), None),
+        ("package://p/meshes/arm .stl", ("PKG002", "file", Severity.ERROR), None),  # there is nothing to rename
         ("package://p/meshes/größe.stl", ("PKG011", "letters", Severity.INFO), None),
         ("pakage://p/meshes/a.stl", ("PKG011", "scheme", Severity.WARNING), "package://p/meshes/a.stl"),
         ("zip://p/meshes/a.stl", ("PKG011", "scheme", Severity.WARNING), None),

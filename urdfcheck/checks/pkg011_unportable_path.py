@@ -33,6 +33,8 @@ _SCHEMES = ("package", "model", "file")
 _REMOTE = frozenset({"http", "https", "ftp", "ftps"})
 _IN_ROS1 = {"rviz": "loads it with the libcurl of Ubuntu 20.04 and older; 7.78 and newer refuse a blank"}
 _SCHEME = re.compile(r"^([A-Za-z][A-Za-z0-9+.-]+)://")
+# A blank between the name of a file and its ending.
+_BEFORE_ENDING = re.compile(r"\s\.\w+\s*$")
 _ONE_SLASH = re.compile(rf"^(?:{'|'.join(_SCHEMES)}):/?[^/]")
 
 
@@ -53,7 +55,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
     problems: dict[tuple[str, str], _PathProblem] = {}
     for use in list_resource_uses(source):
         problem = _classify_path_problem(use, source)
-        if problem is not None and find_machine_path(use, source) is None:
+        if problem is None or _is_only_missing(problem, use):
+            continue
+        if find_machine_path(use, source) is None:
             problems.setdefault((problem.message, problem.part), problem).uses.append(use)
     for problem in problems.values():
         yield _build_finding(problem, source, rule)
@@ -82,6 +86,13 @@ def _classify_path_problem(use: ResourceUse, source: Source) -> _PathProblem | N
     if not typed.isascii():
         return _PathProblem("letters", _truncate_at_problem(typed, r"[^\x00-\x7f]"), None)
     return None
+
+
+def _is_only_missing(problem: _PathProblem, use: ResourceUse) -> bool:
+    """Whether a blank before the ending of a path is a slip, and no file has it: there is nothing to rename (PKG002)."""
+    resource = use.resource
+    is_missing = resource.path is not None and resource.allowed and not resource.exists
+    return problem.message == "blank" and is_missing and _BEFORE_ENDING.search(resource.text) is not None
 
 
 def _drop_package_folder(use: ResourceUse, source: Source) -> str:
