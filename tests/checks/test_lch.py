@@ -641,6 +641,28 @@ def test_a_launch_file_of_ros_1_in_a_package_of_ros_2_is_left_over(
     assert found["LCH001"].fix.title.startswith("delete the launch file" if is_left else "correct the path")
 
 
+@pytest.mark.parametrize(
+    ("own", "severity"),
+    [("<buildtool_depend>catkin</buildtool_depend>", None), ("", Severity.ERROR), (None, Severity.WARNING)],
+)
+def test_a_package_of_ros_2_is_not_what_a_launch_file_of_ros_1_means(
+    tmp_path: Path, own: str | None, severity: Severity | None
+) -> None:
+    include = '<include file="$(find arm)/launch/gone.launch"/>'
+    files = {
+        ".git/HEAD": "",
+        "ros2/arm/package.xml": f"<package format='2'><name>arm</name>{ROS2}</package>",
+        "ros1/car/launch/a.launch": f"<launch>{include}{load('$(find arm)/urdf/gone.urdf')}</launch>",
+    }
+    if own is not None:
+        files["ros1/car/package.xml"] = f"<package format='2'><name>car</name>{own}</package>"
+    found = find(tmp_path, files, "LCH001", name="ros1/car/launch/a.launch")
+    (included,) = [f for f in found if f.message_id == "include-file"] or [None]
+    assert (None if included is None else included.severity) == severity
+    if own:
+        assert {f.message_id for f in found} == {"unknown"}
+
+
 def test_a_launch_file_that_includes_one_of_ros_1_is_left_over_too(tmp_path: Path) -> None:
     files = {
         "package.xml": f"<package><name>car</name>{ROS2}</package>",

@@ -37,6 +37,7 @@ from urdfcheck.source.launch.launch_file import (
 from urdfcheck.source.launch.python_launch_file import PythonLaunch
 from urdfcheck.source.launch.substitutions import UnresolvedReason
 from urdfcheck.source.model_file import find_placeholder
+from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES, is_launch
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package
@@ -118,8 +119,11 @@ def _check_launch(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
             for finding in _check_description(context, rule, description, obstacle=description.unresolved, at=at):
                 yield finding if is_certain else replace(finding, severity=min(finding.severity, Severity.WARNING))
     for include in launch.broken_includes:
-        if not _is_in_template(launch, include.at):
-            yield from _check_include(launch, include, rule)
+        other = _find_package_of_ros2(launch, include.unresolved)
+        if _is_in_template(launch, include.at) or (other is not None and _is_for_ros1(launch)):
+            continue
+        for finding in _check_include(launch, include, rule):
+            yield finding if other is None or launch.package is not None else replace(finding, **_LEFT_OVER)
 
 
 def _is_in_template(launch: Launch, at: Attribute) -> bool:
@@ -128,6 +132,19 @@ def _is_in_template(launch: Launch, at: Attribute) -> bool:
     return (
         file is not None and at.span is not None and at.span.file != launch.name and bool(find_placeholder(file.text))
     )
+
+
+def _find_package_of_ros2(launch: Launch, missing: UnresolvedReason) -> Package | None:
+    """Return the package of ROS 2 to which a launch file of ROS 1 leads; None where it leads to another one."""
+    if missing.kind != "file" or launch.dialect != "ros1":
+        return None
+    found = launch.finder.find_package_of(normalise_path(Path(missing.name).absolute()))
+    return found if found is not None and is_only_of_ros2(found.root) else None
+
+
+def _is_for_ros1(launch: Launch) -> bool:
+    """Whether the package of a launch file is built by catkin: what it names is of ROS 1, and one of ROS 2 is a namesake."""
+    return launch.package is not None and "catkin" in launch.package.dependencies
 
 
 def _has_known_conditions(launch: Launch, element: Element) -> bool:
@@ -314,6 +331,8 @@ def _check_description(
             yield build_unknown(f"argument {obstacle.name!r} is empty")
     elif obstacle.kind == "relative":
         yield _build_relative_finding(rule, launch, at, obstacle.name, path)
+    elif _is_for_ros1(launch) and (other := _find_package_of_ros2(launch, obstacle)) is not None:
+        yield build_unknown(f"package {other.name!r} is of ROS 2 here")
     elif obstacle.kind == "file" and _is_generated(obstacle.name, path):
         yield build_unknown(f"git ignores {obstacle.name}, so it is probably generated")
     elif obstacle.kind == "file" and (made := _describe_maker(obstacle.name, launch.finder)) is not None:
