@@ -952,6 +952,22 @@ def test_backslashes_come_before_what_they_hide(tmp_path: Path, path: str) -> No
     assert finding.code == ("PKG001" if "gone/" in edit.replacement else "PKG002")
 
 
+@pytest.mark.parametrize(
+    ("options", "path", "written"),
+    [
+        ("", "/home/me/ws/src/p/meshes/a.stl", "package://p/meshes/a.stl"),
+        ('<compiler balanceinertia="true"/>', "/home/me/ws/src/p/meshes/a.stl", "../meshes/a.stl"),
+        ('<compiler balanceinertia="true"/>', "file:///home/me/ws/src/p/meshes/a.stl", "package://p/meshes/a.stl"),
+        ('<compiler strippath="true"/>', "/home/me/ws/src/p/meshes/a.stl", "package://p/meshes/a.stl"),
+    ],
+)
+def test_a_file_for_mujoco_gets_paths_from_its_place(tmp_path: Path, options: str, path: str, written: str) -> None:
+    model = package(tmp_path, "meshes/a.stl")
+    (finding,) = audit(model, f"<mujoco>{options}</mujoco>", make_mesh_link("a", path), codes={"PKG004"}).findings
+    assert finding.fix is not None
+    assert [edit.replacement for edit in finding.fix.edits] == [written]
+
+
 def test_files_of_one_folder_with_a_blank_are_one_finding(tmp_path: Path) -> None:
     model = package(tmp_path, "my meshes/a.stl", "my meshes/b c.stl", "d e/f.stl")
     links = [make_mesh_link("a", "../my meshes/a.stl", "../my meshes/b c.stl"), make_mesh_link("b", "../d e/f.stl")]

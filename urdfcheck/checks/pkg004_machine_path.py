@@ -29,7 +29,7 @@ from urdfcheck.source.resources import (
     split_machine_path,
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
-from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
+from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path, takes_no_packages
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
 from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file, is_kept_output
@@ -161,7 +161,7 @@ def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
 
 
 def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
-    """Return the package path of a file, or None for one that is in no package here.
+    """Return the package path of a file, or None for one that is in no package here; the path from the model if it is for MuJoCo.
 
     The path may be that of another machine: what follows the name of a package there, the model's own first, is then a file of
     that package here.
@@ -183,7 +183,12 @@ def _build_portable_path(use: ResourceUse, source: Source) -> str | None:
             return None
     inside = find_in_package(path, source.package, source.finder) or _find_behind_slash(path, source)
     named = (package.name, inside) if inside is not None else find_in_named_package(path, source.finder)
-    return None if named is None else f"package://{named[0]}/{named[1]}"
+    if named is None:
+        return None
+    folder = package.path if named[0] == package.name else source.finder.find(named[0])
+    if folder is not None and use.resource.kind == "absolute" and takes_no_packages(source):
+        return format_path_from_model(folder / named[1], source)
+    return f"package://{named[0]}/{named[1]}"
 
 
 def _find_outer_file(uses: Sequence[ResourceUse], source: Source) -> str:

@@ -16,6 +16,11 @@ def takes_only_names(robot: Element) -> bool:
     return has_mujoco_option(robot, "strippath", "true")
 
 
+def takes_no_packages(source: Source) -> bool:
+    """Whether a model has options of MuJoCo, which then opens no path that begins with a package."""
+    return source.root is not None and bool(read_mujoco_options(source.root)) and not takes_only_names(source.root)
+
+
 def is_found_by_mujoco(text: str, source: Source) -> bool:
     """Whether MuJoCo opens a file for this path only because of its options (checked with MuJoCo 4.0)."""
     name, _, strips = _read_options(source)
