@@ -123,6 +123,20 @@ def test_files_of_an_unknown_package_are_named_where_the_own_package_has_them(
         assert only(audit(package(tmp_path, *files, depends="old"), *links)).data["hint"] == ""
 
 
+@pytest.mark.parametrize(
+    ("files", "hint"),
+    [
+        (("visual/link.dae", "collision/link.STL"), " (p has the files as visual/link.dae, collision/link.STL)"),
+        (("drawn/link.dae", "collision/link.STL"), ""),  # one file does not take the place of two
+    ],
+)
+def test_a_mesh_in_its_folder_is_meant_before_one_of_its_name_elsewhere(
+    tmp_path: Path, files: tuple[str, ...], hint: str
+) -> None:
+    link = make_mesh_link("a", "package://old/visual/link.STL", "package://old/collision/link.STL")
+    assert only(audit(package(tmp_path, *files), link)).data["hint"] == hint
+
+
 @pytest.mark.parametrize(("count", "begin"), [(3, "write p instead, which has 3 of 4 files"), (2, "add the package")])
 def test_the_own_package_that_has_most_files_at_their_paths_is_named(tmp_path: Path, count: int, begin: str) -> None:
     links = [make_mesh_link(name, f"package://old/meshes/{name}.stl") for name in "abcd"]

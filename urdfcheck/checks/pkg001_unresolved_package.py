@@ -13,6 +13,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
@@ -666,7 +667,7 @@ def _describe_places(files: Sequence[str], here: Mapping[str, Path], own: Sequen
 
 def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
     """Return where the model's own package has a file of the same name as each of these, or the same place in a folder that is
-    called as the package; nothing unless each is there once."""
+    called as the package, or there a mesh of the same name in another format; nothing unless each is there once, and another."""
     if not files or source.package is None:
         return []
     index = index_files([source.package.path])
@@ -674,8 +675,11 @@ def _find_own_files(source: Source, files: Sequence[str]) -> list[str]:
     for file in map(PurePosixPath, files):
         named = [path for path in index.get(file.name.lower(), []) if path.name == file.name]
         placed = [path for path in named if path.as_posix().endswith(f"/{'/'.join(file.parts[1:])}")]
+        alike = [p for ending in MESH_SUFFIXES for p in index.get(f"{file.stem}{ending}".lower(), [])]
+        inside = f"/{'/'.join(file.parts[2:])}"
+        placed = placed or [p for p in alike if p.with_suffix(file.suffix).as_posix().endswith(inside)]
         found.append(placed if len(placed) == 1 else named)
-    if any(len(paths) != 1 for paths in found):
+    if any(len(paths) != 1 for paths in found) or len({paths[0] for paths in found}) < len({*files}):
         return []
     return [paths[0].relative_to(source.package.path).as_posix() for paths in found]
 
