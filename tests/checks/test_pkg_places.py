@@ -598,6 +598,31 @@ def test_an_unknown_package_that_the_defaults_switch_off_is_a_note(
     assert ("switched off by default" in finding.message) == (severity is Severity.INFO)
 
 
+@pytest.mark.parametrize(
+    ("start", "severity"),
+    [
+        ("Node(package='car', executable='drive', parameters=[{'p': path}])", Severity.INFO),
+        ("Node(package='car', executable='other', parameters=[{'p': path}])", Severity.WARNING),
+        ("Node(package='car', executable='drive'), ExecuteProcess(cmd=['python3', path])", Severity.WARNING),
+    ],
+)
+def test_the_path_of_a_program_that_is_started_by_its_name_is_not_needed(
+    tmp_path: Path, start: str, severity: Severity
+) -> None:
+    export = "<export><build_type>ament_python</build_type></export></package>"
+    write(tmp_path, "package.xml", text=MANIFEST.format("car").replace("</package>", export))
+    scripts = "entry_points={'console_scripts': ['drive = car.drive:main']}"
+    files = "data_files=[('share/car', ['package.xml']), ('share/car/launch', ['launch/a.launch.py'])]"
+    write(tmp_path, "setup.py", text=f"setup({files}, {scripts})\n")
+    write(tmp_path, "car/__init__.py", "car/drive.py")
+    path = "path = os.path.join(get_package_share_directory('car'), 'car', 'car.py')"
+    write(tmp_path, "launch/a.launch.py", text=f"{path}\nx = [{start}]\n")
+    (finding,) = check(tmp_path, codes={"PKG008"}).findings
+    assert finding.severity == severity
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("delete the path" if severity is Severity.INFO else "start what is in car")
+
+
 def test_a_dependency_that_is_commented_out_is_left_out_on_purpose(tmp_path: Path) -> None:
     """As the MoveIt Setup Assistant leaves out warehouse_ros_mongo, with the reason."""
     comment = "<!-- not released everywhere\n<exec_depend>warehouse_ros_mongo</exec_depend> -->"

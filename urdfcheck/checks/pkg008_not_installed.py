@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import islice
 from pathlib import Path
 
-from urdfcheck.core import Finding, Rule, Span
+from urdfcheck.core import Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.build_files import name_launch_command
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
@@ -24,6 +24,9 @@ from urdfcheck.system.files import read_regular, read_text_or_nothing
 _OLD_LAUNCH = ".launch"
 _OLD_LOOKUP = re.compile(r"\$\(find\s+['\"]?$")
 _MODEL_SUFFIXES = frozenset({".urdf", ".xacro", ".sdf", ".srdf", ".gazebo"})
+# A program of setup.py that is in a Python package, and a node of a launch file that is this program.
+_CONSOLE_SCRIPT = r"[\"']\s*([\w.-]+)\s*=\s*{}\."
+_STARTED = r"\b(?:executable|exec)\s*=\s*[\"']{}[\"']"
 # What installs a folder, or files of it, where programs are.
 _INSTALLED_PROGRAMS = (
     r"install\s*\((?:DIRECTORY|PROGRAMS|FILES)[^()]*\s{}(?:/[^()]*)?\sDESTINATION\s+[\"']?(lib/[^\s()\"']*)"
@@ -43,11 +46,13 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
     first = next((m for m in missing[folders[0]] if _leads_to_file(m, package)), missing[folders[0]][0])
     is_read = any(_leads_to_file(mention, package) for mentions in missing.values() for mention in mentions)
     elsewhere = _describe_programs(package, folders)
+    program = _find_started_program(package, missing)
     finding = rule.finding(
         f"{install.build_form}-several" if len(folders) > 1 else install.build_form,
         at=install.at,
         related=[mention.location for name in folders for mention in missing[name][:3]],
         edits=[] if elsewhere else install.build_edits(folders),
+        severity=Severity.INFO if program else None,
         consequences=_describe_loss(package, folders) if is_read else _describe_absence(package),
         package=package.name,
         folder=folders[0],
@@ -59,11 +64,26 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if install.other_project
         else "",
         elsewhere=elsewhere,
-        repair=_describe_python_repair(package, folders, install.names),
+        repair=f"delete the path if no program reads it: the launch file starts what is in {folders[0]} as {program} already"
+        if program
+        else _describe_python_repair(package, folders, install.names),
         lookup="files are looked up by package name" if is_read else "a path leads that no file here has",
         example=first.subpath.lstrip("/"),
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
+
+
+def _find_started_program(package: Package, missing: Mapping[str, Sequence[PackageMention]]) -> str:
+    """Return the program of `console_scripts` in the only missing folder, if each launch file that names the folder starts it and
+    no command; else empty."""
+    if len(missing) != 1:
+        return ""
+    ((folder, mentions),) = missing.items()
+    setup = read_text_or_nothing(package.path / "setup.py")
+    programs = re.findall(_CONSOLE_SCRIPT.format(re.escape(folder)), setup)
+    texts = [read_text_or_nothing(Path(m.location.span.file)) for m in mentions if m.location.span is not None]
+    started = [p for p in programs if all(re.search(_STARTED.format(re.escape(p)), text) for text in texts)]
+    return started[0] if started and texts and not any("ExecuteProcess" in text for text in texts) else ""
 
 
 def _describe_programs(package: Package, folders: Iterable[str]) -> str:
