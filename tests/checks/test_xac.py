@@ -2560,6 +2560,22 @@ def test_a_call_without_the_prefix_in_a_kept_file_is_a_warning(tmp_path: Path, f
 
 
 @pytest.mark.parametrize(
+    ("readme", "severity"),
+    [("Tested on ROS Melodic.", Severity.WARNING), ("ROS Melodic, Noetic", Severity.ERROR), ("", Severity.ERROR)],
+)
+def test_a_call_without_the_prefix_is_a_warning_where_the_robot_stays_on_melodic(
+    tmp_path: Path, readme: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": "<package><name>car</name></package>",
+        "README.md": readme,
+        "urdf/car.urdf.xacro": HEAD + BASE + WHEEL + '<wheel name="a"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC007"}))
+    assert (finding.message_id, finding.severity) == ("unprefixed", severity)
+
+
+@pytest.mark.parametrize(
     ("inside", "is_call"),
     [('<eye n="${n}"/>', False), ('<xacro:if value="${n > 0}"><eye n="${n - 1}"/></xacro:if>', True)],
 )
