@@ -2218,6 +2218,69 @@ def test_a_name_alone_is_no_substitution(tmp_path: Path, before: str, repair: st
     assert finding.fix.title == repair
 
 
+@pytest.mark.parametrize(
+    ("typed", "repair"),
+    [
+        ("${find arm}/a.xacro", "write `$(find arm)`: it is no expression"),
+        ("${find-pkg-share arm}/a.xacro", "write `$(find arm)`: it is no expression"),
+        ("$(find-pkg-share arm)/a.xacro", "write `$(find arm)`"),
+        ("${find + }/a.xacro", "correct the expression; xacro ends"),
+    ],
+)
+def test_a_package_is_found_by_the_word_of_xacro(tmp_path: Path, typed: str, repair: str) -> None:
+    finding = only(xacro(tmp_path, f'<xacro:include filename="{typed}"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("default", "expression", "written"),
+    [
+        ("a.yaml", "'config/' + file", "`'$(arg file)'`, in quotes"),
+        ("a.yaml", "file", "`$(arg file)`"),
+        ("2", "1 + file", "`$(arg file)`"),
+        ("false", "1 if file else 2", '`<xacro:property name="file" value="$(arg file)"/>`'),
+    ],
+)
+def test_an_expression_reads_an_argument_in_quotes_unless_it_is_a_number(
+    tmp_path: Path, default: str, expression: str, written: str
+) -> None:
+    """What is proposed is expanded."""
+    head = f'<xacro:arg name="file" default="{default}"/>'
+    finding = only(xacro(tmp_path, f'{head}<link name="${{{expression}}}"/>', {"XAC001"}))
+    assert finding.fix is not None
+    assert written in finding.fix.title
+    proposed = finding.fix.title.split("`")[1]
+    before = proposed if proposed.startswith("<") else ""
+    read = "${file}" if expression == "file" else "file"  # alone it needs no expression
+    after = f"${{{expression}}}" if before else f"${{{expression}}}".replace(read, proposed)
+    repaired = f'{head}{before}<link name="{after}"/>'
+    assert not xacro(tmp_path / "repaired", repaired, {"XAC001"}).findings
+
+
+def test_a_parameter_read_as_an_argument_is_one_finding_in_all_models_of_the_macro(tmp_path: Path) -> None:
+    """Whether another file of a model declares an argument of that name does not matter."""
+    files = {
+        "eye.xacro": HEAD
+        + '<xacro:macro name="eye" params="plug:=false"><xacro:if value="$(arg plug)"><link name="p"/></xacro:if>'
+        "</xacro:macro></robot>",
+        "a.urdf.xacro": HEAD + '<xacro:include filename="eye.xacro"/><xacro:eye/></robot>',
+        "b.urdf.xacro": HEAD
+        + '<xacro:include filename="eye.xacro"/><xacro:eye/><xacro:arg name="plug" default="1"/></robot>',
+    }
+    finding = only(check(write(tmp_path, files), codes={"XAC010"}))
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("write `${plug}`")
+
+
+def test_a_computed_name_is_not_one_of_an_argument(tmp_path: Path) -> None:
+    text = (
+        '<xacro:macro name="m" params="side"><link name="$(arg ${side}_name)$(arg size)"/></xacro:macro>'
+        '<xacro:arg name="left_name" default="l"/><link name="$(arg kind)"/><xacro:m side="left"/>'
+    )
+    assert only(xacro(tmp_path, text, {"XAC010"})).data["missing"] == ["kind", "size"]
+
+
 @pytest.mark.parametrize("package", ["camera", "p"])
 def test_a_macro_may_be_in_another_version_of_the_package_with_its_file(tmp_path: Path, package: str) -> None:
     files = {

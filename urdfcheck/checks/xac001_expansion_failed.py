@@ -50,6 +50,7 @@ from urdfcheck.source.resources import find_package_address
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.tokens import build_rename_edits
+from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element, SourceFile, XmlError, parse_xml, quote_attribute
 from urdfcheck.source.uses_elsewhere import find_used_copy, is_kept_unused, is_no_robot, is_orphan, is_unused
 from urdfcheck.source.xacro.file_contents import has_parts
@@ -92,8 +93,13 @@ _COMMENTED_MACRO = re.compile(
 )
 # What launch files of ROS 2 write in place of xacro's own substitutions.
 _OF_LAUNCH_FILES = re.compile(r"Unknown substitution command \[(find-pkg-share|var) +([^\s\]]+)\]")
+# A substitution that is typed as an expression: `${find arm}`.
+_AS_EXPRESSION = re.compile(r"\s*(find|find-pkg-share|arg|var|env) +([\w.-]+)\s*")
 _ALONE = re.compile(r"Unknown substitution command \[([A-Za-z_]\w*)\]")
 _OWN_WORDS = {"find-pkg-share": "find", "var": "arg"}
+_SYNTAX_REPAIR = (
+    "correct the expression; xacro ends `${…}` at the first closing brace and `$(…)` at the first closing parenthesis"
+)
 _NEGATED = re.compile(r"\$\{\s*not\s+\w+\s*\}")
 _CONDITION_REPAIR = "write an expression that is true or false, such as `${value == 'name'}`"
 # What is proposed for a missing file if nothing explains it.
@@ -235,7 +241,7 @@ def _describe_substitution(source: Source, reason: str) -> str:
     """Say what to write for a ``$(…)`` that xacro does not know: one of launch files, or a name alone."""
     launch, alone = _OF_LAUNCH_FILES.search(reason), _ALONE.search(reason)
     if launch is not None:
-        return f"write `$({_OWN_WORDS[launch[1]]} {launch[2]})`"
+        return _describe_own_words(launch)
     if alone is None:
         return "correct what the message names"
     name = alone[1]
@@ -248,6 +254,11 @@ def _describe_substitution(source: Source, reason: str) -> str:
         if is_known
         else f"write the text that is meant, or `${{{name}}}` and define {name} before it"
     )
+
+
+def _describe_own_words(match: re.Match[str]) -> str:
+    word, name = match.groups()
+    return f"write `$({_OWN_WORDS.get(word, word)} {name})`"
 
 
 def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -266,7 +277,7 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
             "write a fixed text here: xacro evaluates the attributes of <robot> before it reads any definition",
         )
     elif name in arguments:
-        why, repair = f"; an argument has this name, which is read as $(arg {name})", f"write `$(arg {name})`"
+        why, repair = f"; an argument has this name, which is read as $(arg {name})", _describe_reading(failure, name)
     elif name in defined:
         place = defined[name][0]
         where = "" if place.span is None else f" (line {place.span.line} of {place.span.file})"
@@ -299,6 +310,18 @@ def _explain_undefined_name(failure: _ExpansionFailure, match: re.Match[str]) ->
     return _build_report_at_expression(
         failure, "undefined-name", extra=extra, name=name, hint=why, repair=repair, remedy=options, defining=defining
     )
+
+
+def _describe_reading(failure: _ExpansionFailure, name: str) -> str:
+    """Say how an expression reads an argument: xacro puts the value into its text, where only a number stands as it is. In quotes
+    `false` would count as true, and a property makes it a truth value."""
+    declared = iter_elements_by_tag(failure.source.trees, "xacro:arg")
+    default = next((e.get("default") for e in declared if e.get("name") == name), "")
+    value = failure.source.arguments.get(name, default).strip()
+    is_bare = failure.expression.strip() == name or parse_number(value) is not None
+    if not is_bare and value.lower() in {"true", "false"}:
+        return f'define it before this line: `<xacro:property name="{name}" value="$(arg {name})"/>`'
+    return f"write `$(arg {name})`" if is_bare else f"write `'$(arg {name})'`, in quotes: its value is a text"
 
 
 def _describe_near_name(failure: _ExpansionFailure, near: str, define: str) -> str:
@@ -1184,7 +1207,14 @@ def _explain_endless_expansion(failure: _ExpansionFailure, _match: re.Match[str]
 def _explain_syntax_error(failure: _ExpansionFailure, _match: re.Match[str]) -> _FailureReport:
     reason = re.sub(r" \(<(?:expression|string)>, line \d+\)", "", failure.reason)
     shown = f"`{failure.expression}`" if failure.expression else "this"
-    return _build_report_at_expression(failure, "syntax", shown=shown, reason=reason)
+    misplaced = _AS_EXPRESSION.fullmatch(failure.expression)
+    repair = _SYNTAX_REPAIR if misplaced is None else f"{_describe_own_words(misplaced)}: it is no expression"
+    return _build_report_at_expression(failure, "syntax", shown=shown, reason=reason, repair=repair)
+
+
+def _explain_property_name(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
+    name = match.group(1)
+    return _build_report(failure, "property-name", name=name, other=f"_{name.lstrip('_')}")
 
 
 def _explain_value_without_text(failure: _ExpansionFailure, match: re.Match[str]) -> _FailureReport:
@@ -1205,6 +1235,7 @@ _EXPLANATIONS: tuple[tuple[str, Callable[[_ExpansionFailure, re.Match[str]], _Fa
     (r'Xacro conditional "(.*)" evaluated to "(.*)", which', _explain_bad_condition),
     (r"environment variable '([^']*)' is not (set|read)", _explain_environment),
     (r"(\S+): missing attribute '([^']+)'", _explain_missing_attribute),
+    (r"Property names must not start with double underscore:(\S+)", _explain_property_name),
     (r"never ends|circular variable definition", _explain_endless_expansion),
     (r"\(<(?:expression|string)>, line \d+\)|^invalid expression", _explain_syntax_error),
 )

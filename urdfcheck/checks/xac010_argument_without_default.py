@@ -23,6 +23,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         name = str(problem.data["argument"])
         at = locate_expression(source, problem, f"$(arg {name})")
         declared = [e for e in iter_elements_by_tag(source.trees, "xacro:arg") if e.get("name") == name]
+        macro = _find_macro_with_parameter(source, at, name)
+        if macro is not None:  # its parameter was meant: an argument of this name in another file says nothing of it
+            declared = []
         missing = [name, *(n for n in _find_undeclared_arguments(source) if n != name)]
         # Both are loaded only if an argument is missing.
         from urdfcheck.source.launch.loaded_files import (
@@ -40,7 +43,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         handed = find_handing_launch(source.path, source.finder) if passing is None else None
         starting = find_naming_launch(source.path, source.finder) if passing is None and handed is None else None
         give = _describe_giving(missing, options, starting)
-        repair = _describe_repair(source, at, name, give, is_declared=bool(declared))
+        repair = _describe_repair(source, at, name, give, macro=macro, is_declared=bool(declared))
         defaults = [e.attributes["default"] for e in declared if "default" in e.attributes]
         is_circular = any(_is_within(at.span, default.span) for default in defaults)
         if is_circular:
@@ -57,7 +60,7 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             missing=missing,
             repair=repair,
             remedy=options,
-            choices=format_choices(known.get(name, ())),
+            choices=format_choices(known.get(name, ()) if macro is None else ()),
             default=declared[0].get("default") if declared else "",
             between=[
                 e.subject for e in find_unprefixed_tags(source.trees) if e.tag == "include" or e.get("name") == name
@@ -98,9 +101,10 @@ def _describe_giving(missing: Sequence[str], options: str, starting: Path | None
     return f"pass {join_names(missing, 3)} in {starting.name}, which names the file (here: `{options}`)"
 
 
-def _describe_repair(source: Source, at: Location, name: str, give: str, *, is_declared: bool) -> str:
-    """Say which value to give; in a macro that has a parameter of this name, that one was meant."""
-    macro = _find_macro_with_parameter(source, at, name)
+def _describe_repair(
+    source: Source, at: Location, name: str, give: str, *, macro: str | None, is_declared: bool
+) -> str:
+    """Say which value to give; in a ``macro`` that has a parameter of this name, that one was meant."""
     if macro is not None:
         return f"write `${{{name}}}`: {name} is a parameter of the macro {macro} around it, and not an argument of the file"
     if _is_in_root_tag(source, at):
@@ -151,4 +155,5 @@ def _find_undeclared_arguments(source: Source) -> list[str]:
         for text in (*(a.value for a in element.attributes.values()), element.text)
         for name in _READ.findall(text)
     }
-    return [n for n in read if n not in declared and n not in source.arguments]
+    # What a macro computes (`$(arg ${side}_angle)`) is not the name of one argument.
+    return [n for n in read if "${" not in n and n not in declared and n not in source.arguments]
