@@ -2221,8 +2221,8 @@ def test_a_name_alone_is_no_substitution(tmp_path: Path, before: str, repair: st
 @pytest.mark.parametrize(
     ("typed", "repair"),
     [
-        ("${find arm}/a.xacro", "write `$(find arm)`: it is no expression"),
-        ("${find-pkg-share arm}/a.xacro", "write `$(find arm)`: it is no expression"),
+        ("${find arm}/a.xacro", "write `$(find arm)`: it is not an expression"),
+        ("${find-pkg-share arm}/a.xacro", "write `$(find arm)`: it is not an expression"),
         ("$(find-pkg-share arm)/a.xacro", "write `$(find arm)`"),
         ("${find + }/a.xacro", "correct the expression; xacro ends"),
     ],

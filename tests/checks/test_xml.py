@@ -1735,6 +1735,30 @@ def test_a_blank_before_the_declaration_stops_strict_parsers_only(tmp_path: Path
     assert finding.consequences["mujoco"] == ("loads it" if message == "forgiven" else "refuses the file")
 
 
+@pytest.mark.parametrize(
+    ("start", "is_read"), [('textfile="{}"', True), ('command="cat {}"', True), ('command="xacro {}"', False)]
+)
+@pytest.mark.parametrize("text", ['\n<?xml version="1.0"?>\n{}', '<?xml version="1.0"?><!-- -- -->\n{}'])
+def test_what_urdfdom_forgives_is_checked_unless_xacro_reads_it(
+    tmp_path: Path, text: str, start: str, is_read: bool
+) -> None:
+    folder = tmp_path / "arm"
+    (folder / "launch").mkdir(parents=True)
+    (folder / "package.xml").write_text("<package format='2'><name>arm</name></package>")
+    (folder / "arm.urdf").write_text(text.format('<robot name="arm"><link name="a"/><link name="a"/></robot>'))
+    param = f'<param name="robot_description" {start.format("$(find arm)/arm.urdf")}/>'
+    (folder / "launch" / "arm.launch").write_text(f"<launch>{param}</launch>")
+    found = {f.code: f for f in check(folder, codes={"XML001", "KIN001"}).findings}
+    refused = found["XML001"]
+    assert (refused.severity, refused.message_id) == (
+        (Severity.WARNING, "forgiven") if is_read else (Severity.ERROR, "malformed")
+    )
+    assert ("KIN001" in found) == is_read
+    if is_read:
+        assert found["KIN001"].location.span is not None
+        assert found["KIN001"].location.span.line == (3 if text.startswith("\n") else 2)
+
+
 def test_a_semantic_description_with_a_blank_before_the_declaration_is_read(tmp_path: Path) -> None:
     package = tmp_path / "arm"
     package.mkdir()

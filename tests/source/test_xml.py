@@ -395,6 +395,14 @@ def test_broken_text_is_refused_where_it_breaks(text: str, says: str, line: int,
         ('<a><b_c="1"/></a>', "write a blank between the name of the tag and that of its attribute"),
         ("<a><b/c></a>", "correct the name, or delete the tag"),
         ('<a><b c="1"/d></a>', "write `/>` if the tag ends here; else delete it"),
+        (
+            '<robot name="r"><link name="a"/>\n<joint name="j"/></robot>\n<link name="a" />\n</robot>',
+            "delete all from here on: <robot> of line 1 has elements with these names already",
+        ),
+        (
+            '<robot name="r"><link name="a"/></robot>\n<link name="b"/>\n</robot>',
+            "move it into <robot> of line 1, or delete the end tag that closes it too early",
+        ),
         ("<joint/>\n<link/>", "put all elements into one <robot>: a file has one root"),
         ("<node/><node/>", "put all elements into one <launch>: a file has one root"),
         (

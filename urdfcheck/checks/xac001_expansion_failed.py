@@ -1208,7 +1208,7 @@ def _explain_syntax_error(failure: _ExpansionFailure, _match: re.Match[str]) -> 
     reason = re.sub(r" \(<(?:expression|string)>, line \d+\)", "", failure.reason)
     shown = f"`{failure.expression}`" if failure.expression else "this"
     misplaced = _AS_EXPRESSION.fullmatch(failure.expression)
-    repair = _SYNTAX_REPAIR if misplaced is None else f"{_describe_own_words(misplaced)}: it is no expression"
+    repair = _SYNTAX_REPAIR if misplaced is None else f"{_describe_own_words(misplaced)}: it is not an expression"
     return _build_report_at_expression(failure, "syntax", shown=shown, reason=reason, repair=repair)
 
 

@@ -79,7 +79,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         else:
             cause = _classify_cause(file)
             message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
-            if message == "malformed" and problem.data.get("forgiven") and not source.is_xacro:
+            is_forgiven = message == "malformed" and bool(problem.data.get("forgiven")) and source.root is not None
+            if is_forgiven:
                 message = "forgiven"
             # xacro puts entities in that are texts.
             is_harmless = message == _OUR_CHOICE and bool(problem.data.get("plain")) and source.is_xacro
@@ -102,8 +103,9 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 error=problem.message,
                 repair=repair,
             )
-            # Every program loads the file, and only we do not read it.
-            yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_harmless else finding
+            if is_harmless:  # every program loads the file, and only we do not read it
+                finding = replace(finding, severity=Severity.WARNING, blocks_check=True)
+            yield replace(finding, severity=Severity.WARNING) if is_forgiven else finding
     for problem in source.find_problems(*_MISREAD):
         data = {**problem.data, "count": len(problem.data["places"])}
         first, *others = data.pop("places")

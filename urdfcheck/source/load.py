@@ -19,7 +19,14 @@ from urdfcheck.source.package.file_kinds import is_xacro as has_xacro_name
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.text.problems import Problem, locate_start
-from urdfcheck.source.text.xml import Element, SourceFile, XmlError, find_unbound_prefix, parse_xml, restore_breaks
+from urdfcheck.source.text.xml import (
+    Element,
+    SourceFile,
+    XmlError,
+    find_unbound_prefix,
+    parse_leniently,
+    restore_breaks,
+)
 from urdfcheck.source.text.yaml.values import YamlKeyRead
 from urdfcheck.system.encodings import is_utf_8
 from urdfcheck.system.files import overlay_files
@@ -136,7 +143,10 @@ def load_source(
             raise OSError(errno.EACCES, OUT_OF_REACH, str(path))
         file = SourceFile.read(path, name)
         files[name] = file
-        root = trees[name] = parse_xml(file)
+        root, refusal = _parse_model(file, xacro, finder)
+        trees[name] = root
+        if refusal is not None:
+            problems.append(Problem.from_read_error(refusal, "robot", name))
     except (OSError, XmlError) as error:
         problem = Problem.from_read_error(error, "robot", name)
         # The text that names it is at fault, not the model.
@@ -187,6 +197,18 @@ def load_source(
         found_arguments=found_arguments,
         assumed_variables=assumed_variables,
     )
+
+
+def _parse_model(file: SourceFile, xacro: bool | None, finder: PackageFinder) -> tuple[Element, XmlError | None]:
+    """Parse a model as what reads it does: urdfdom forgives what xacro refuses."""
+    root, refusal = parse_leniently(file)
+    if refusal is None:
+        return root, None
+    from urdfcheck.source.launch.passed_arguments import is_handed_to_xacro  # few models need it
+
+    if has_xacro_name(file.path) or xacro or (xacro is None and is_handed_to_xacro(file.path, finder)):
+        raise refusal
+    return root, refusal
 
 
 def expand_edited(source: Source, edits: Iterable[Edit]) -> Expansion:

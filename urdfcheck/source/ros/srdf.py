@@ -17,8 +17,7 @@ from urdfcheck.source.package.finder import Package, PackageFinder, format_path,
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, list_subfolders
 from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
-from urdfcheck.source.text.xml import COMMENT, Attribute, Element, SourceFile, XmlError, parse_xml
-from urdfcheck.source.text.xml_mistakes import forgive_hyphens
+from urdfcheck.source.text.xml import COMMENT, Attribute, Element, SourceFile, XmlError, parse_leniently, parse_xml
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
 from urdfcheck.source.xacro.file_contents import has_only_macros
 from urdfcheck.system.files import read_regular, remember_large_folders
@@ -37,7 +36,6 @@ _DESCRIPTION = re.compile(r"\bname\s*=\s*[\"'](?:\$\(arg robot_description\)|/?r
 _MODEL = re.compile(r"\$\(find\s+([\w.-]+)\s*\)/([^\s\"'<>$]+\.(?:urdf|xacro))(?=[\s\"'])")
 # A group that holds no other.
 _GROUP = re.compile(r"<group\b(?:(?!<group\b).)*?</group>", re.DOTALL)
-_LATE_DECLARATION = re.compile(r"\A(\ufeff?\s+)(<\?xml\s[^>]*\?>)")
 # The attributes that name links and joints of the robot, by element and the element around it.
 _PART_NAMES = {
     ("link", "group"): {"name": "link"},
@@ -337,7 +335,7 @@ def load_srdf(
         return None
     try:
         file = SourceFile.read(path, name)
-        tree = parse_xml(file) if is_xacro(path) else _parse_srdf(file)
+        tree = parse_xml(file) if is_xacro(path) else parse_leniently(file)[0]
     except (OSError, XmlError):
         return None
     if tree.tag != "robot" or ("$" not in tree.get("name") and tree.get("name").strip() != robot):
@@ -356,25 +354,6 @@ def load_srdf(
     if root is None or root.get("name").strip() != robot:
         return None
     return Srdf(path, name, root=root, files=files)
-
-
-def _parse_srdf(file: SourceFile) -> Element:
-    """Parse as MoveIt's tinyxml2 does, which ends a comment at ``-->`` whatever hyphens are in it (``--!>``), and skips blanks
-    before the declaration.
-
-    :raises XmlError: if the text is malformed otherwise.
-    """
-    try:
-        return parse_xml(file)
-    except XmlError as error:
-        if not error.data.get("forgiven"):
-            raise
-    # Of the same length: all places stay.
-    lenient = _LATE_DECLARATION.sub(lambda match: match[1] + " " * len(match[2]), forgive_hyphens(file.text))
-    copy = SourceFile(file.path, file.name, lenient, encoding=file.encoding, declared=file.declared)
-    tree = parse_xml(copy)
-    file.comments[:] = copy.comments
-    return tree
 
 
 def find_broken_srdfs(package: Path) -> Iterator[tuple[Problem, SourceFile | None]]:

@@ -18,7 +18,7 @@ from xml.parsers import expat
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.core.records import dataclass
-from urdfcheck.source.text.xml_mistakes import ENTITIES, describe_mistake
+from urdfcheck.source.text.xml_mistakes import ENTITIES, describe_mistake, forgive_hyphens
 from urdfcheck.system.encodings import UnreadableEncodingError, decode_text, decode_xml, find_byte_beyond_utf_8
 from urdfcheck.system.files import FileTooLargeError, read_regular
 
@@ -40,6 +40,7 @@ _TAG = re.compile(r"[^ \t\r\n/>]+")
 _ATTRIBUTE = re.compile(r"""\s+([^\s=/>"']+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
 # A comment; one that nothing closes ends with the text. Otherwise the end of each of many would be searched anew.
 COMMENT = re.compile(r"<!--(.*?)(?:-->|\Z)", re.DOTALL)
+_LATE_DECLARATION = re.compile(r"\A(\ufeff?\s+)(<\?xml\s[^>]*\?>)")
 _SUBSTITUTION = re.compile(r"\$[({]")
 _ENTITY = re.compile(r"&([^\s;<>&\"'#]+);")
 # Declarations in a document type none of which uses another, and what may read other files in them.
@@ -321,6 +322,26 @@ def parse_xml(source: SourceFile) -> Element:
     if zero >= 0:  # the first zero byte would make expat guess another encoding
         raise XmlError("malformed", "it contains a zero byte", source.make_span(zero, zero + 1))
     return _Parser(source).parse()
+
+
+def parse_leniently(source: SourceFile) -> tuple[Element, XmlError | None]:
+    """Parse as tinyxml2 does, the parser of urdfdom and MoveIt, which ends a comment at ``-->`` whatever hyphens are in it
+    (``--!>``), and skips blanks before the declaration. Return the root element, and what strict parsers refuse.
+
+    :raises XmlError: if the text is malformed otherwise.
+    """
+    try:
+        return parse_xml(source), None
+    except XmlError as error:
+        if not error.data.get("forgiven"):
+            raise
+        refusal = error
+    # Of the same length: all places stay.
+    lenient = _LATE_DECLARATION.sub(lambda match: match[1] + " " * len(match[2]), forgive_hyphens(source.text))
+    copy = SourceFile(source.path, source.name, lenient, encoding=source.encoding, declared=source.declared)
+    tree = parse_xml(copy)
+    source.comments[:] = copy.comments
+    return tree, refusal
 
 
 class _Parser:

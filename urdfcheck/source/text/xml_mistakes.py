@@ -40,6 +40,7 @@ _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 _CONFLICT = re.compile(r"^<{7}(?: |$)", re.MULTILINE)
 _DECLARATION = re.compile(r"<\?xml\s[^<>]*\?>")
 _TAG = re.compile(r"<[^\s<>/=\"'&!?]")
+_NAMED = re.compile(r"""<([^\s<>/="'&!?]+)\s(?:[^<>]{0,500}?\s)?name\s*=\s*(["'])([^"'<>]*)\2""")
 _TAG_NAME = re.compile(r"[A-Za-z_][\w.:-]*\Z")
 # The roots of files that hold parts of them.
 _WHOLES = {
@@ -436,6 +437,8 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
             repair = f"put all elements into one <{whole}>: a file has one root"
         elif opened and tag[1] == opened[0][0]:
             repair = "keep one if they are copies or versions of one another; else make them one element: a file has one root"
+        elif _repeats_names(text[at:], text[:at]):
+            repair = f"delete all from here on: {root} has elements with these names already"
         return XmlMistake(message, *tag.span(), repair=repair)
     end = text.find("\n", at)
     end = len(text) if end < 0 else max(end, at + 1)
@@ -452,6 +455,12 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
     if opened and _TAG.search(plain):
         repair += f"; what follows it belongs in {root}, or is left over"
     return XmlMistake(message, at, end, repair=repair)
+
+
+def _repeats_names(rest: str, before: str) -> bool:
+    """Whether all elements with a name in the rest of a text are also before it."""
+    repeated, known = ({(tag, name) for tag, _, name in _NAMED.findall(_COMMENT.sub("", part))} for part in (rest, before))
+    return bool(repeated) and repeated <= known
 
 
 def _describe_declaration(text: str, at: int, _: list[tuple[str, int]]) -> XmlMistake:
