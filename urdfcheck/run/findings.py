@@ -83,7 +83,8 @@ _KEPT_ASIDE = (
     "of old copies and files in folders such as `old` only what stops the check is reported; name the file to see all"
 )
 _LEFT_OVER = (
-    "no file of the project names it, and another model is in use or its source; give its path to urdfcheck to see all"
+    "no file of the project names it, and another model is in use or its source, or the build leaves it out; give its path to "
+    "urdfcheck to see all"
 )
 
 

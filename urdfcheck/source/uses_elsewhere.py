@@ -63,8 +63,8 @@ _BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
 _CALLED = re.compile(r"""<xacro:([^\s<>/"'=]+)""")
 _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"'<>]*)""")
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
-# A name that a file computes may be that of any model.
-COMPUTED_FILE = re.compile(r"""(?:[)}\]"']|%s)\.(?:urdf|xacro)\b""")
+# A name that a file computes may be that of any model; `replace(".xacro", "")` takes the ending from a name.
+COMPUTED_FILE = re.compile(r"""(?:[)}\]]|(?<!replace\()["']|%s)\.(?:urdf|xacro)\b""")
 # What is typed of such a name behind the part that is computed: `${side}_arm.xacro`, `side + "_arm.xacro"`.
 _COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""")
 # What xacro says of a name or a macro that is not defined, and the definitions of a file.

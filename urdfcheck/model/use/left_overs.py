@@ -9,6 +9,7 @@ from pathlib import Path
 
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source, read_xacro_source
+from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
@@ -30,16 +31,21 @@ from urdfcheck.system.files import read_text_or_nothing, walk
 _LARGEST = 500_000
 # The endings of programs that may load a model, beside those of scripts; of all files that may name one outside packages, of
 # which so many are read.
-_PROGRAMS = (".ipynb", ".m", ".cpp", ".cc", ".cxx", ".hpp", ".h", ".cs", ".js", ".jsx", ".ts", ".tsx", ".vue", ".html")
+_PROGRAMS = (
+    *(".ipynb", ".m", ".c", ".cc", ".cpp", ".cxx", ".h", ".hpp", ".cs", ".rs", ".toml", ".json"),
+    *(".js", ".jsx", ".ts", ".tsx", ".vue", ".html"),
+)
 _NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".xml", ".xacro", ".urdf", ".json", ".sdf", ".world")
 _MOST_FILES = 1_000
+# What is in a file has a name of its own.
+_NAME_OF_CONTENT = re.compile(r"""<(?:robot|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
 # A program that loads whatever models are in a folder.
 _ALL_MODELS = re.compile(r"\*\.(?:urdf|xacro)\b")
 
 
 def is_left_over(source: Source) -> bool:
-    """Whether no file of the project names the model, and one names another model of its package (of the project without one), or
-    xacro made it of a file that is here.
+    """Whether no file of the project names the model, and one names another model of its package (of the project without one),
+    xacro made it of a file that is here, or the build of its package installs other files and not this one.
 
     False for a piece of a robot, and where one of the files that could name the model computes such a name, or has its name
     without the ending in quotes. Of what is outside the packages that name the model's, only programs and READMEs are searched.
@@ -48,12 +54,13 @@ def is_left_over(source: Source) -> bool:
         return False
     texts = _read_project_texts(source) if source.package is None else _read_package_texts(source)
     stem = re.compile(rf"[\"']{re.escape(get_stem(source))}[\"']")
-    if not texts or any(map(stem.search, texts)):
+    if not texts or any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts):
         return False
     top = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
-    others = _list_model_names(top) - {source.path.name}
+    others = _list_other_models(top, source.path)
     names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
-    return (names_another or _is_made_of_file_here(source)) and not _is_named_outside_packages(source)
+    is_unused = names_another or _is_made_of_file_here(source) or _is_not_installed(source)
+    return is_unused and not _is_named_outside_packages(source)
 
 
 def _read_package_texts(source: Source) -> list[str]:
@@ -83,6 +90,17 @@ def _is_made_of_file_here(source: Source) -> bool:
     return written is not None and bool(find_files_elsewhere(written, source.path, source.finder))
 
 
+def _is_not_installed(source: Source) -> bool:
+    """Whether the build of a ROS 2 package installs files, and certainly not this one."""
+    package = source.package
+    rules = None if package is None else read_install_rules(package)
+    installed = None if rules is None else rules.installed
+    if package is None or installed is None or not installed.entries:
+        return False
+    inside = source.path.absolute().relative_to(package.path.absolute())
+    return installed.function_words.isdisjoint(inside.parts) and not installed.may_install(inside.as_posix())
+
+
 def _may_be_piece(source: Source) -> bool:
     """Whether the model may be included by a name that is computed: its <robot> has none."""
     return source.is_part and (source.main_tree is None or not can_have_name(source.main_tree))
@@ -96,12 +114,13 @@ def _read_texts_about_package(source: Source) -> Iterator[str]:
                 yield drop_comments(text)
 
 
-def _list_model_names(folder: Path) -> set[str]:
-    """List the names of the files in a package that end as those of models do."""
+def _list_other_models(folder: Path, own: Path) -> set[str]:
+    """List the names of the other files below a folder that end as those of models do: one in another folder may have the same."""
     names: set[str] = set()
-    for _, inner, files in walk(folder):
+    for here, inner, files in walk(folder):
         inner[:] = [name for name in inner if not name.startswith(".")]
-        names.update(name for name in files if name.endswith((".urdf", ".xacro")))
+        found = (name for name in files if name.endswith((".urdf", ".xacro")))
+        names.update(name for name in found if Path(here, name).absolute() != own.absolute())
     return names
 
 

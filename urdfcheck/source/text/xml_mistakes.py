@@ -459,7 +459,9 @@ def _describe_junk(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMist
 
 def _repeats_names(rest: str, before: str) -> bool:
     """Whether all elements with a name in the rest of a text are also before it."""
-    repeated, known = ({(tag, name) for tag, _, name in _NAMED.findall(_COMMENT.sub("", part))} for part in (rest, before))
+    repeated, known = (
+        {(tag, name) for tag, _, name in _NAMED.findall(_COMMENT.sub("", part))} for part in (rest, before)
+    )
     return bool(repeated) and repeated <= known
 
 
