@@ -115,7 +115,7 @@ def _read_texts_about_package(source: Source) -> Iterator[str]:
 
 
 def _list_other_models(folder: Path, own: Path) -> set[str]:
-    """List the names of the other files below a folder that end as those of models do: one in another folder may have the same."""
+    """List the names of the other files below a folder that end as those of models do: one elsewhere may have the same."""
     names: set[str] = set()
     for here, inner, files in walk(folder):
         inner[:] = [name for name in inner if not name.startswith(".")]
