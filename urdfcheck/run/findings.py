@@ -80,7 +80,8 @@ _MOST_OPTIONS = 3
 # What a report says of models that are data of tests, and of those that are kept and not used.
 _FOR_TESTS = "of test data only errors are reported; name the file to see all"
 _KEPT_ASIDE = (
-    "of old copies and files in folders such as `old` only what stops the check is reported; name the file to see all"
+    "of old copies and files in folders such as `old` or `third_party` only what stops the check is reported; name the file to "
+    "see all"
 )
 _LEFT_OVER = (
     "no file of the project names it, and another model is in use or its source, or the build leaves it out; give its path to "

@@ -20,6 +20,10 @@ BUILD_FOLDERS = frozenset({"build", "install", "log"})
 _ASIDE_FOLDERS = frozenset(
     {"archive", "backup", "bak", "not_used", "old", "raw", "raw_data", "raw_export", "raw_exports"}
 )
+# Folders of what others made: a project uses of it what its own files name. Isaac Gym is a download that projects keep whole.
+_FOREIGN_FOLDERS = frozenset(
+    {"3rd-party", "3rd_party", "3rdparty", "isaacgym", "third-party", "third_party", "thirdparty", "vendor"}
+)
 # How longer names of such folders begin: `legacy_launch`, `old_files`.
 _ASIDE_WORDS = frozenset({"archived", "backups", "deprecated", "legacy", "obsolete", "old", "unused"})
 # What is added to the name of a file that is kept as it was, beside the one that is used.
@@ -54,8 +58,9 @@ SearchedFolders = dict[str, tuple[str | None, _Subfolders]]
 
 
 def is_aside_folder(name: str) -> bool:
-    """Whether a folder of this name holds files that are kept and not used."""
-    return name.lower() in _ASIDE_FOLDERS or re.split(r"[\W_]", name.lower())[0] in _ASIDE_WORDS
+    """Whether a folder of this name holds files that are kept and not used, or what others made."""
+    name = name.lower()
+    return name in _ASIDE_FOLDERS or name in _FOREIGN_FOLDERS or re.split(r"[\W_]", name)[0] in _ASIDE_WORDS
 
 
 def get_used_name(name: str) -> str:
