@@ -663,6 +663,28 @@ def test_a_package_of_ros_2_is_not_what_a_launch_file_of_ros_1_means(
         assert {f.message_id for f in found} == {"unknown"}
 
 
+@pytest.mark.parametrize(
+    ("name", "named", "severity"),
+    [
+        ("run_benchmark_ompl.launch", "", Severity.INFO),
+        ("run_benchmark_ompl.launch", '<include file="$(find car)/launch/run_benchmark_ompl.launch"/>', Severity.ERROR),
+        ("demo.launch", "", Severity.ERROR),
+    ],
+)
+def test_a_template_of_the_setup_assistant_that_nothing_names_is_a_note(
+    tmp_path: Path, name: str, named: str, severity: Severity
+) -> None:
+    files = {
+        "package.xml": '<package format="2"><name>car</name></package>',
+        ".setup_assistant": "",
+        f"launch/{name}": '<launch><include file="$(find car)/launch/warehouse.launch"/></launch>',
+        "launch/all.launch": f"<launch>{named}</launch>",
+    }
+    (finding,) = find(tmp_path / "car", files, "LCH001", name=f"launch/{name}")
+    assert finding.severity == severity
+    assert get_repair(finding).startswith("delete the launch file") == (severity is Severity.INFO)
+
+
 def test_a_launch_file_that_includes_one_of_ros_1_is_left_over_too(tmp_path: Path) -> None:
     files = {
         "package.xml": f"<package><name>car</name>{ROS2}</package>",

@@ -40,7 +40,7 @@ from urdfcheck.source.model_file import find_placeholder
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.package.file_kinds import LAUNCH_SUFFIXES, MODEL_SUFFIXES, SRDF_SUFFIXES, is_launch
 from urdfcheck.source.package.finder import Package, PackageFinder, format_path
-from urdfcheck.source.package.package_folders import is_rosbuild_package
+from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import (
     add_checkout,
@@ -53,6 +53,7 @@ from urdfcheck.source.package.similar_files import (
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import FileReach
 from urdfcheck.source.ros.dependencies import describe_declaration, find_dependent
+from urdfcheck.source.ros.setup_templates import is_side_template
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.xml import Attribute, Element
 from urdfcheck.system.files import read_text_or_nothing
@@ -83,17 +84,38 @@ _LEFT_OVER: dict[str, Any] = {
 }
 
 
+# What becomes of a finding on a launch file of MoveIt's setup assistant that nothing names, whose partners were deleted.
+_UNUSED_TEMPLATE: dict[str, Any] = {
+    "severity": Severity.INFO,
+    "fix": Fix(
+        "delete the launch file, unless benchmarks or the warehouse are used: MoveIt's setup assistant has written it"
+    ),
+}
+
+
 def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     launch = context.launch
     if launch.is_kept_aside:
         return
+    is_template = _is_unused_template(launch)
     is_listing = launch.is_in_documents and launch.package is None  # to be read, or copied into a package
     for found in _check_launch(context, rule):
         finding = found if launch.dialect == "ros1" else _say_for_ros2(found)
         if is_listing:
             finding = replace(finding, severity=min(finding.severity, Severity.WARNING))
         is_error = finding.severity > Severity.INFO
-        yield replace(finding, **_LEFT_OVER) if launch.is_left_from_ros1 and is_error else finding
+        left = _LEFT_OVER if launch.is_left_from_ros1 else _UNUSED_TEMPLATE if is_template else {}
+        yield replace(finding, **left) if is_error else finding
+
+
+def _is_unused_template(launch: Launch) -> bool:
+    """Whether MoveIt's setup assistant has written a launch file for benchmarks or the warehouse, and no text of its package has
+    its name."""
+    package = launch.package
+    if package is None or not is_side_template(launch.path, package.path):
+        return False
+    own = compile_names((launch.path.name,))
+    return not any(map(own.search, read_package_texts(package.path, launch.finder.can_open)))
 
 
 def _say_for_ros2(finding: Finding) -> Finding:

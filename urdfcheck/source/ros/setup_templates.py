@@ -28,8 +28,17 @@ def is_left_out_by_template(name: str, file: Path, package: Path) -> bool:
 
     The launch files for Gazebo, the warehouse and benchmarks are there for those who want them and install what they need.
     """
-    is_there = file.parent.name == "launch" and name in _LEFT_OUT.get(file.name, ())
-    if not is_there:
+    return name in _LEFT_OUT.get(file.name, ()) and _is_template(file, package)
+
+
+def is_side_template(file: Path, package: Path) -> bool:
+    """Whether a file of a package is one that the setup assistant writes for benchmarks or the warehouse: few robots use them."""
+    is_for_few = "benchmark" in file.name or "warehouse" in file.name
+    return is_for_few and file.name in _LEFT_OUT and _is_template(file, package)
+
+
+def _is_template(file: Path, package: Path) -> bool:
+    if file.parent.name != "launch":
         return False
     note_lookup(package / SETUP_FILE)
     return (package / SETUP_FILE).is_file()
