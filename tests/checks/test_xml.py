@@ -1145,7 +1145,7 @@ class TestXML004:
         assert "`colour`, `weight`" in finding.message
 
 
-@pytest.mark.parametrize(("typed", "severity"), [("<density value='567'/>", Severity.WARNING), ("", Severity.ERROR)])
+@pytest.mark.parametrize(("typed", "severity"), [("<density value='567'/>", Severity.INFO), ("", Severity.ERROR)])
 def test_an_inertial_for_isaac_gym_is_not_to_be_deleted(tmp_path: Path, typed: str, severity: Severity) -> None:
     shape = '<collision><geometry><box size="1 1 1"/></geometry></collision>'
     text = f'<robot name="r"><link name="a">{shape}<inertial>{typed}</inertial></link></robot>'
@@ -1375,6 +1375,28 @@ class TestXML011:
         shape = '<visual><geometry><sphere radius="1"/></geometry><material name="paint"/></visual>'
         (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML011")
         assert 'rgba="0.1 0.2 0.3 1"/></material>` (its colour in ' in finding.fix.title
+        (tmp_path / "other.urdf").write_text(f'<robot name="o"><!-- {other} --><link name="a"/></robot>')
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{shape}</link></robot>', "XML011")
+        assert 'rgba="…"' in finding.fix.title
+
+    @pytest.mark.parametrize(
+        ("settings", "launched", "severity"),
+        [
+            ("<mujoco><compiler/></mujoco>", "other", Severity.INFO),
+            ("<mujoco><compiler/></mujoco>", "arm", Severity.WARNING),
+            ("", "other", Severity.WARNING),
+        ],
+    )
+    def test_a_file_for_mujoco_needs_no_material(
+        self, tmp_path: Path, settings: str, launched: str, severity: Severity
+    ) -> None:
+        (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+        text = f'<launch><param name="robot_description" textfile="$(find p)/{launched}.urdf"/></launch>'
+        (tmp_path / "start.launch").write_text(text)
+        shape = SHAPE.format('<material name="paint"/>')
+        (tmp_path / "arm.urdf").write_text(f'<robot name="r">{settings}<link name="a">{shape}</link></robot>')
+        (finding,) = check(tmp_path / "arm.urdf", codes={"XML011"}).findings
+        assert finding.severity is severity
 
     GREY = '<material name="grey"><color rgba="0.5 0.5 0.5 1"/></material>'
     REFERENCE = SHAPE.format('<material name="grey"/>')
@@ -1590,6 +1612,41 @@ def test_xacro_would_stop_at_a_name_that_the_file_does_not_define(
     assert repair in finding.fix.title
     # What Gazebo makes of it is known where the text is handed to a plugin.
     assert ("gazebo" in finding.consequences) == (tag == "plugin")
+
+
+@pytest.mark.parametrize(
+    ("name", "repair"),
+    [
+        ("size", "write `<xacro:property` for the `<property` of line 2 and the others like it, declare `xmlns:xacro`"),
+        ("other", "write the value in its place; the file does not define size"),
+    ],
+)
+def test_a_property_without_the_prefix_is_what_defines_a_name(tmp_path: Path, name: str, repair: str) -> None:
+    shape = '<visual><geometry><sphere radius="${size}"/></geometry></visual>'
+    text = f'<robot name="r">\n<property name="{name}" value="1"/><link name="a">{shape}</link></robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML009"}).findings
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
+@pytest.mark.parametrize(
+    ("manifest", "more", "severity"),
+    [
+        ("", "", Severity.INFO),
+        ("<package><name>p</name></package>", "", Severity.WARNING),
+        (
+            "",
+            '<link name="b"/><joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint>',
+            Severity.WARNING,
+        ),
+    ],
+)
+def test_an_object_for_isaac_gym_needs_no_mass(tmp_path: Path, manifest: str, more: str, severity: Severity) -> None:
+    if manifest:
+        (tmp_path / "package.xml").write_text(manifest)
+    text = f'<robot name="r"><link name="a"><inertial><density value="400"/></inertial></link>{more}</robot>'
+    (finding,) = check_text(tmp_path, text, codes={"XML005"}).findings
+    assert finding.severity is severity
 
 
 @pytest.mark.parametrize(

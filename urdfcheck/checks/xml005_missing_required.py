@@ -77,12 +77,20 @@ def _check_children(model: Model, element: Element, rule: Rule) -> Iterator[Find
             "child",
             at=element,
             consequences=_describe_consequences(element, *missing),
-            severity=Severity.WARNING if _is_placeholder(element) or _has_density(element) else None,
+            severity=_grade(model, element),
             tag=element.tag,
             missing=" and no ".join(tags),
             repair=_describe_repair(model, element, _describe_addition(element, tags)),
             owner=_describe_owner(element),
         )
+
+
+def _grade(model: Model, element: Element) -> Severity | None:
+    """Return the severity where it is not the usual one. An object with a density outside packages is for Isaac Gym alone:
+    nothing of ROS finds it by name."""
+    if _has_density(element):
+        return Severity.INFO if model.source.package is None and len(model.links) == 1 else Severity.WARNING
+    return Severity.WARNING if _is_placeholder(element) else None
 
 
 def _is_placeholder(element: Element) -> bool:

@@ -219,15 +219,26 @@ def _describe_repair(source: Source, texts: Sequence[str]) -> str:
             "what is left, if the robot needs nothing of it"
         )
     unknown = _find_undefined_name(texts)
+    root = source.main_tree
+    if unknown is not None and root is not None and (definition := _find_unprefixed_definition(root, unknown)):
+        line = "" if definition.span is None else f" of line {definition.span.line}"
+        return (
+            f"write `<xacro:{definition.tag}` for the `<{definition.tag}`{line} and the others like it, "
+            f"{_DECLARING if 'xmlns:xacro' not in root.attributes else ''}{_RUNNING_XACRO}"
+        )
     if unknown is not None:
         return (
             f"write the value in its place; the file does not define {unknown}, so xacro expands it only in a file that defines "
             "that and includes this one"
         )
-    root = source.main_tree
     has_tags = any(text.startswith("<") for text in texts)
     declaring = _DECLARING if has_tags and root is not None and "xmlns:xacro" not in root.attributes else ""
     return f"{_describe_package_paths(source, texts)}{declaring}{_RUNNING_XACRO}"
+
+
+def _find_unprefixed_definition(root: Element, name: str) -> Element | None:
+    """Return the property of this name that lacks xacro's prefix."""
+    return next((e for e in root.walk() if e.tag == "property" and e.get("name") == name), None)
 
 
 def _describe_package_paths(source: Source, texts: Sequence[str]) -> str:

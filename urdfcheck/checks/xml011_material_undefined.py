@@ -74,9 +74,9 @@ def _check_undefined_materials(model: Model, rule: Rule) -> Iterator[Finding]:
             near="" if unused is not None else format_name_hint(name, everywhere),
             repair="" if name in everywhere else _describe_repair(model, name, everywhere, unused),
         )
-        # What no program loads looks like nothing, nor does what is too small, or what only Gazebo draws in its own colour.
+        # What no program loads looks like nothing, nor does what is too small, or what only a simulator draws in its own colour.
         links, drawn = zip(*(shapes[id(material.parent)] for material in materials), strict=True)
-        is_unseen = all(map(_is_speck, drawn)) or _are_coloured_by_gazebo(model, links)
+        is_unseen = all(map(_is_speck, drawn)) or _are_coloured_by_gazebo(model, links) or _is_only_for_mujoco(model)
         is_note = _is_left_aside(model) or (is_unseen and not _is_for_drake(model))
         yield replace(finding, severity=Severity.INFO) if is_note else finding
 
@@ -102,6 +102,14 @@ def _are_coloured_by_gazebo(model: Model, links: Collection[str]) -> bool:
         if any(element.tag == "material" for element in block.walk())
     }
     return coloured.issuperset(links) and is_only_for_gazebo(model)
+
+
+def _is_only_for_mujoco(model: Model) -> bool:
+    """Whether the file has settings of MuJoCo, which draws the shape anyway, and no launch file names it."""
+    from urdfcheck.source.launch.loaded_files import is_named_by_launch  # few models have such settings
+
+    source = model.source
+    return model.robot.find_child("mujoco") is not None and not is_named_by_launch(source.path, source.finder)
 
 
 def _is_left_aside(model: Model) -> bool:

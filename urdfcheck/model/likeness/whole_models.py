@@ -200,7 +200,7 @@ def _find_colours_elsewhere(model: Model) -> Mapping[str, tuple[Path, str]]:
     found: dict[str, tuple[int, Path, str]] = {}
     for path in islice(_iter_robot_files(model.source), _MOST_FILES):
         try:
-            text = read_regular(path, _LARGEST).decode("utf-8", "replace")
+            text = COMMENT.sub("", read_regular(path, _LARGEST).decode("utf-8", "replace"))
         except OSError:
             continue
         shared = _measure_common_path(model, path)
