@@ -2445,7 +2445,9 @@ def test_what_stops_a_file_that_makes_no_robot_is_a_warning(
         "urdf/materials.xacro": NAMELESS + '<xacro:macro name="red"/></robot>',
         "urdf/part.urdf.xacro": text,
     }
-    (finding,) = (f for f in check(write(tmp_path, files), codes={"XAC001"}).findings if f.code == "XAC001")
+    # Found in its folder, what nothing names would be left over.
+    model = write(tmp_path, files) / "urdf/part.urdf.xacro"
+    (finding,) = (f for f in check(model, codes={"XAC001"}).findings if f.code == "XAC001")
     assert (finding.severity, finding.blocks_check) == (severity, True)
     assert finding.fix is not None
     if severity is Severity.WARNING:
