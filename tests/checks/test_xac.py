@@ -2480,7 +2480,9 @@ def test_an_empty_default_is_a_value_that_is_to_be_given(
         '<xacro:property name="kind" value="$(arg arm)"/>'
         f'<xacro:include filename="$(find p)/arms/{read}/arm.xacro"/></robot>',
     }
-    (finding,) = (f for f in check(write(tmp_path, files), codes={"XAC001"}).findings if f.code == "XAC001")
+    # Found in its folder, what nothing names would be left over.
+    given = write(tmp_path, files) / ("" if started else "urdf/dual.urdf.xacro")
+    (finding,) = (f for f in check(given, codes={"XAC001"}).findings if f.code == "XAC001")
     assert finding.message_id == ("argument-leads-nowhere" if default else "argument-empty")
     assert finding.severity is severity
     assert finding.fix is not None

@@ -321,7 +321,7 @@ class TestUnchecked:
 
     @pytest.fixture
     def folder(self, tmp_path: Path) -> Path:
-        for name in ("legacy/old.urdf.xacro", "new.urdf.xacro"):
+        for name in ("arms/one.urdf.xacro", "new.urdf.xacro"):
             write(tmp_path / name, XACRO.format('<link name="$(arg n)"/>'))
         return tmp_path
 
@@ -330,13 +330,13 @@ class TestUnchecked:
         [
             ("", None, []),
             ('unchecked = "error"', None, []),
-            ('unchecked = "warning"', None, ["legacy/old.urdf.xacro", "new.urdf.xacro"]),
-            ('unchecked = ["legacy/**"]', None, ["legacy/old.urdf.xacro"]),
-            ('unchecked = ["legacy"]', None, ["legacy/old.urdf.xacro"]),
-            ('unchecked = ["old.urdf.xacro", "none"]', None, ["legacy/old.urdf.xacro"]),
+            ('unchecked = "warning"', None, ["arms/one.urdf.xacro", "new.urdf.xacro"]),
+            ('unchecked = ["arms/**"]', None, ["arms/one.urdf.xacro"]),
+            ('unchecked = ["arms"]', None, ["arms/one.urdf.xacro"]),
+            ('unchecked = ["one.urdf.xacro", "none"]', None, ["arms/one.urdf.xacro"]),
             ("unchecked = []", None, []),
             ('unchecked = "warning"', "error", []),
-            ('unchecked = ["legacy/**"]', "warning", ["legacy/old.urdf.xacro", "new.urdf.xacro"]),
+            ('unchecked = ["arms/**"]', "warning", ["arms/one.urdf.xacro", "new.urdf.xacro"]),
         ],
     )
     def test_who_is_accepted(self, text: str, given: str | None, accepted: list[str], folder: Path) -> None:
