@@ -32,10 +32,12 @@ _LARGEST = 500_000
 # The endings of programs that may load a model, beside those of scripts; of all files that may name one outside packages, of
 # which so many are read.
 _PROGRAMS = (
-    *(".ipynb", ".m", ".c", ".cc", ".cpp", ".cxx", ".h", ".hpp", ".cs", ".rs", ".toml", ".json"),
+    *(".ipynb", ".m", ".c", ".cc", ".cpp", ".cxx", ".h", ".hpp", ".cs", ".rs"),
     *(".js", ".jsx", ".ts", ".tsx", ".vue", ".html"),
 )
-_NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".xml", ".xacro", ".urdf", ".json", ".sdf", ".world")
+_NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".xml", ".xacro", ".urdf", ".sdf", ".world")
+# Also what lists models without using them: configurations and baselines of checkers.
+_LISTS = (".json", ".toml")
 _MOST_FILES = 1_000
 # What is in a file has a name of its own.
 _NAME_OF_CONTENT = re.compile(r"""<(?:robot|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
@@ -131,7 +133,7 @@ def _is_named_outside_packages(source: Source) -> bool:
     around = [folder for folder in path.parents if folder == project or project in folder.parents]
     readmes = itertools.chain.from_iterable(map(_list_readmes, around))
     texts = (read_text_or_nothing(path, _LARGEST) for path in readmes if source.finder.can_open(path))
-    scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, *_PROGRAMS)))
+    scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, *_PROGRAMS, *_LISTS)))
     return any(own.search(text) for text in itertools.chain(texts, scripts))
 
 
