@@ -1184,6 +1184,20 @@ def test_of_two_shapes_under_equal_conditions_none_is_left_over(
 
 
 class TestXML006:
+    def test_elements_of_a_macro_that_differ_in_one_call_are_one_finding(self, tmp_path: Path) -> None:
+        text = (
+            '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m" params="n ixy"><link name="${n}">'
+            '<inertial><mass value="1"/><inertia ixx="1" ixy="0.1" ixz="0" iyy="1" iyz="0" izz="1"/>'
+            '<inertia ixx="1" ixy="${ixy}" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link></xacro:macro>'
+            '<xacro:m n="a" ixy="0.1"/><xacro:m n="b" ixy="-0.1"/>'
+            '<joint name="j" type="fixed"><parent link="a"/><child link="b"/></joint></robot>'
+        )
+        (finding,) = findings(tmp_path, text, "XML006", "r.xacro")
+        assert finding.message_id == "repeated"
+        assert not finding.fix or not finding.fix.edits
+        (finding,) = findings(tmp_path, text.replace('"-0.1"', '"0.1"'), "XML006", "r.xacro")
+        assert finding.message_id == "identical"
+
     @pytest.mark.parametrize(
         ("first", "second", "line"),
         [

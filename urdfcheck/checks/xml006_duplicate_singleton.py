@@ -37,15 +37,29 @@ _DEFAULTS: Mapping[str, Mapping[str, object]] = {"origin": {"xyz": (0.0, 0.0, 0.
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
-    for element in iter_urdf_elements(model.robot):
-        for same in list_repeated_children(element):
-            yield _build_finding(model, rule, element, same=same)
+    repeated = [
+        (element, same) for element in iter_urdf_elements(model.robot) for same in list_repeated_children(element)
+    ]
+    # What a macro types twice may be equal in one of its calls only.
+    unequal = {_list_places(same) for _, same in repeated if not _are_equal(same)}
+    for element, same in repeated:
+        equal = _are_equal(same)
+        if not equal or _list_places(same) not in unequal:
+            yield _build_finding(model, rule, element, same=same, identical=equal)
 
 
-def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Element]) -> Finding:
+def _are_equal(same: list[Element]) -> bool:
+    content = _build_content_key(same[0])
+    return all(_build_content_key(other) == content for other in same[1:])
+
+
+def _list_places(same: list[Element]) -> tuple[object, ...]:
+    """Return where the elements are typed, the same in all calls of a macro."""
+    return tuple(one.span for one in same)
+
+
+def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Element], identical: bool) -> Finding:
     first, second = same[0], same[1]
-    content = _build_content_key(first)
-    identical = all(_build_content_key(other) == content for other in same[1:])
     is_rest_empty = not _is_empty(first) and all(map(_is_empty, same[1:]))
     message = "identical" if identical else "empty" if is_rest_empty else "repeated"
     message = "shapes" if element.tag == "geometry" and not identical else message
