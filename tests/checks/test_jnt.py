@@ -124,6 +124,26 @@ def test_limits_of_one_sign_may_lack_a_minus_sign(
 
 
 @pytest.mark.parametrize(
+    ("mimic", "edits"),
+    [
+        ('<mimic joint="j" multiplier="-1"/>', [("1", "-1")]),
+        ('<mimic joint="j"/>', [("1", "0"), ("0", "1")]),
+        ('<mimic joint="j" offset="2"/>', [("1", "2"), ("0", "3")]),
+    ],
+)
+def test_a_follower_needs_the_range_to_which_its_leader_moves_it(
+    tmp_path: Path, mimic: str, edits: list[tuple[str, str]]
+) -> None:
+    leader = make_joint('<limit lower="0" upper="1" effort="1" velocity="1"/>')
+    inverted = '<limit lower="1" upper="0" effort="1" velocity="1"/>'
+    text = make_three_links(leader, make_joint(inverted + mimic, name="k", child="c"))
+    (finding,) = find(tmp_path, text, "JNT005")
+    assert finding.fix is not None
+    assert [(e.expected, e.replacement) for e in finding.fix.edits] == edits
+    assert finding.consequences["moveit"].startswith("loads it")
+
+
+@pytest.mark.parametrize(
     ("angle", "edited"), [("7", False), ("6.9", False), ("62.5", False), ("95", False), ("30", True)]
 )
 def test_an_angle_that_no_one_chooses_in_degrees_may_be_in_radians(tmp_path: Path, angle: str, edited: bool) -> None:

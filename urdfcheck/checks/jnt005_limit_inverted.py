@@ -12,7 +12,7 @@ from urdfcheck.model import Joint, Model
 from urdfcheck.model.fixed_joint_lumping import find_preserved_names
 from urdfcheck.model.gazebo import collect_plugin_texts, is_held_still, list_sensors
 from urdfcheck.model.motion.controllers import collect_controlled_joints
-from urdfcheck.model.repairs.edits import swap_values
+from urdfcheck.model.repairs.edits import edit_values, swap_values
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.use.other_programs import names_bullet
 from urdfcheck.model.wheel_names import WHEEL_NAME, is_revolute_wheel
@@ -29,6 +29,8 @@ _FREE = {
     "revolute": 'write type="continuous" if the joint turns without limits, as Bullet reads it',
     "prismatic": "write limits that it does not reach if the joint slides without limits, as Bullet reads it",
 }
+# MoveIt checks the limits of the joints that it plans for.
+_FOLLOWED = "loads it: it plans in the limits of the joint that this one follows"
 # The elements of a robot that is for other programs, too.
 _OF_OTHERS = ("gazebo", "mujoco", "ros2_control", "transmission")
 
@@ -47,17 +49,25 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if lower == upper:
             equal.setdefault((lower, _is_empty(joint)), []).append(joint)
         else:
+            led = _find_led_range(model, joint)
             mirrored = _is_mirrored(model, lower, upper)
             slip = "" if mirrored else _describe_lost_sign(lower, upper)
-            is_endless = not mirrored and (lower, upper) in _ENDLESS
+            is_endless = led is None and not mirrored and (lower, upper) in _ENDLESS
             swap = f"swap the two: lower {upper:g}, upper {lower:g}{slip}"
+            edits = swap_values(limit.attributes.get("lower"), limit.attributes.get("upper"))
+            if led is not None:
+                swap = _describe_led_range(joint, led)
+                edits = edit_values(
+                    (limit.attributes.get(name), f"{end:g}")
+                    for name, typed_end, end in zip(("lower", "upper"), (lower, upper), led, strict=True)
+                    if end != typed_end
+                )
             yield rule.finding(
                 "inverted",
                 at=limit,
                 severity=Severity.WARNING if is_endless and _is_for_bullet(model) else None,
-                edits=[]
-                if slip or is_endless
-                else swap_values(limit.attributes.get("lower"), limit.attributes.get("upper")),
+                consequences=None if joint.mimic is None else {"moveit": _FOLLOWED},
+                edits=[] if (slip and led is None) or is_endless else edits,
                 repair=f"{_FREE[joint.type]}; otherwise {swap}" if is_endless else swap,
                 joint=joint.name,
                 lower=lower,
@@ -140,6 +150,22 @@ def _may_be_held(joint: Joint, *, is_empty: bool) -> bool:
 def _are_of_one_macro(joints: Sequence[Joint]) -> bool:
     """Whether several joints have one limit, which a macro types: an exporter writes one for each."""
     return len(joints) > 1 and len({None if joint.limit is None else joint.limit.span for joint in joints}) == 1
+
+
+def _find_led_range(model: Model, joint: Joint) -> tuple[float, float] | None:
+    """Find the positions to which the range of another joint moves one that follows it."""
+    leader = None if joint.mimic is None else model.joint_by_name.get(joint.mimic.get("joint"))
+    led, coefficients = None if leader is None else leader.position_range, joint.mimic_coefficients
+    if led is None or coefficients is None or coefficients[0] == 0.0:
+        return None
+    low, high = sorted(coefficients[0] * position + coefficients[1] for position in led)
+    return low, high
+
+
+def _describe_led_range(joint: Joint, led: tuple[float, float]) -> str:
+    """Say to write the range to which its leader moves a joint."""
+    leader = "" if joint.mimic is None else joint.mimic.get("joint")
+    return f"write lower {led[0]:g}, upper {led[1]:g}: the range of {leader}, which the joint follows, moves it so far"
 
 
 def _is_mirrored(model: Model, lower: float, upper: float) -> bool:
