@@ -622,6 +622,15 @@ def test_all_files_that_one_line_of_a_macro_names_are_told(tmp_path: Path) -> No
     assert [subject.partition("]")[0] for subject in finding.subjects] == ["link[left", "link[right"]
 
 
+def test_the_bodies_that_face_inwards_are_told_from_the_others(tmp_path: Path) -> None:
+    small = "v 2 2 2\nv 2.5 2 2\nv 2 2.5 2\nv 2 2 2.5\nf 5 7 6\nf 5 6 8\nf 5 8 7\nf 6 7 8\n"
+    both = INSIDE_OUT + small
+    (finding,) = find_in_mesh(tmp_path, "MSH004", both, shape("visual"))
+    assert "the triangles of 1 of the 2 bodies of closed mesh" in finding.message
+    assert finding.fix is not None
+    assert "Recalculate Outside" in finding.fix.title
+
+
 # -- MSH005 ---------------------------------------------------------------------------------------------------------
 
 # A wall from an edge of the tetrahedron to a fifth corner inside, and back along two others.

@@ -7,7 +7,7 @@ import pytest
 import trimesh
 
 from urdfcheck.facts.mesh import winding
-from urdfcheck.facts.mesh.winding import are_inside, compute_winding_numbers
+from urdfcheck.facts.mesh.winding import are_inside, compute_winding_numbers, has_body_against
 
 POINTS = np.array([[0.0, 0.0, 0.0], [0.9, 0.9, 0.9], [0.4, 0.4, 0.4], [0.51, 0.0, 0.0], [-3.0, 0.0, 0.0]])
 BOX = trimesh.creation.box((1.0, 1.0, 1.0)).triangles
@@ -30,3 +30,23 @@ def test_batches_of_points_are_joined_in_order(monkeypatch: pytest.MonkeyPatch) 
     whole = compute_winding_numbers(BOX, POINTS)
     monkeypatch.setattr(winding, "_MOST_PAIRS", 2 * len(BOX))
     assert compute_winding_numbers(BOX, POINTS) == pytest.approx(whole)
+
+
+@pytest.mark.parametrize(
+    ("extents", "place", "against"),
+    [
+        ((0.3, 0.3, 0.1), (0.4, 0.0, 0.0), True),  # a collar, of which some faces are inside the beam
+        ((0.3, 0.1, 0.1), (0.3, 0.0, 0.0), False),
+        ((0.3, 0.1, 0.1), (0.35, 0.0, 0.0), False),  # a hollow that reaches the surface
+        ((0.3, 0.1, 0.1), (3.0, 0.0, 0.0), True),
+    ],
+)
+def test_only_what_is_inside_is_a_hollow(
+    extents: tuple[float, float, float], place: tuple[float, float, float], against: bool
+) -> None:
+    beam = trimesh.creation.box((1.0, 0.2, 0.2))
+    other = trimesh.creation.box(extents, transform=trimesh.transformations.translation_matrix(place))
+    other.invert()
+    triangles = np.concatenate((beam.triangles, other.triangles))
+    assert has_body_against(triangles, np.repeat((0, 1), 12), beam.volume) == against
+    assert has_body_against(triangles[:, ::-1], np.repeat((0, 1), 12), -beam.volume) == against

@@ -19,6 +19,12 @@ if TYPE_CHECKING:
 
 # Pins and caps up to this diagonal (m): nobody sees their inner side.
 _SMALL = 0.05
+# What turns all triangles, and what turns the bodies that face inwards alone.
+_TURN_ALL = "flip the normals in the mesh editor (Blender: Mesh, Normals, Flip) and export again"
+_TURN_EACH = (
+    "let the mesh editor turn each body outwards (Blender: Mesh, Normals, Recalculate Outside) and export again: others of "
+    "the same mesh face outwards already"
+)
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -39,6 +45,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             at=first[0].filename,
             related=[use.filename for upright, _ in group for use in upright[1:]],
             severity=Severity.INFO if all(itertools.starmap(_is_small_drawing, group)) else None,
+            which=_describe_bodies(facts),
+            repair=_TURN_EACH if any(facts.has_mixed_orientation for _, facts in group) else _TURN_ALL,
             mesh=first[0].filename.value,
             volume=facts.volume * prod(compute_drawn_scale(model, first[0].shape) or (1.0,)),
             more=f" (+{len(others)} more)" if others else "",
@@ -47,6 +55,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             else "",
         )
         yield replace(finding, subjects=tuple(upright[0].filename.location.subject for upright, _ in group))
+
+
+def _describe_bodies(facts: MeshFacts) -> str:
+    """Say how many bodies of a mesh face inwards; nothing where all do, apart from hollows in them."""
+    if not facts.has_mixed_orientation:
+        return ""
+    volumes = facts.body_volumes
+    return f"{int((volumes < 0.0).sum())} of the {len(volumes)} bodies of "
 
 
 def _is_small_drawing(uses: Sequence[MeshUse], facts: MeshFacts) -> bool:

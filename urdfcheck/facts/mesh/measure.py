@@ -257,6 +257,13 @@ class MeshFacts:
         """Number the closed bodies from 0, and return that of each face: see `urdfcheck.facts.mesh.topology.label_bodies`."""
         return label_bodies(self._surface["faces"], self.n_vertices)
 
+    @property
+    def body_volumes(self) -> Array:
+        """The signed volume of each piece that is connected by vertices; meaningful if ``closed``."""
+        labels = label_components(self.faces, len(self.vertices))
+        volumes: Array = np.bincount(labels, np.linalg.det(self.vertices[self.faces])) / 6.0
+        return volumes
+
     @cached_property
     def has_mixed_orientation(self) -> bool:
         """Whether one of several bodies faces inwards while the others face outwards, and is not a hollow in them: its volume is

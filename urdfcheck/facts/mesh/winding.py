@@ -9,6 +9,8 @@ from urdfcheck.facts.mesh.topology import compute_bounds
 
 # Pairs of a point and a triangle that are compared at once.
 _MOST_PAIRS = 100_000
+# How far points of a body's surface are moved towards its middle: a hollow may reach the surface of what is around it.
+_INWARDS = 1e-3
 
 
 def compute_winding_numbers(triangles: Array, points: Array) -> Array:
@@ -46,9 +48,12 @@ def has_body_against(triangles: Array, labels: Indices, volume: float) -> bool:
     """Whether one of several closed bodies faces inwards while all together, of this signed ``volume``, face outwards, or the
     other way round, and is not a hollow in them. ``labels``: the body of each of the ``triangles`` (F, 3, 3)."""
     against = np.bincount(labels, np.linalg.det(triangles)) * volume < 0.0
-    solid = triangles[~against[labels]]
-    firsts = [int(np.argmax(labels == k)) for k in np.flatnonzero(against)]
-    return bool((np.abs(compute_winding_numbers(solid, triangles[firsts].mean(axis=1))) < 0.5).any())
+    solid, points = triangles[~against[labels]], []
+    for body in (triangles[labels == k].mean(axis=1) for k in np.flatnonzero(against)):
+        # The outermost triangles: a collar begins inside what it surrounds, and sticks out of it.
+        outer = body[np.concatenate((body.argmin(axis=0), body.argmax(axis=0)))]
+        points.append(outer + _INWARDS * (body.mean(axis=0) - outer))
+    return bool(points) and bool((np.abs(compute_winding_numbers(solid, np.concatenate(points))) < 0.5).any())
 
 
 def are_inside(triangles: Array, points: Array) -> Bools:
