@@ -107,6 +107,13 @@ def test_casters_do_not_end_at_the_height_of_the_wheels(
     assert finding.location.subject.startswith("joint[caster_0_joint]")
 
 
+def test_the_caster_on_which_a_robot_leans_is_named(tmp_path: Path) -> None:
+    (finding,) = find(
+        tmp_path, cart(casters=("0.12 0 0.025", "-0.12 0 0.03")).replace('xyz="0 0 0.1"', 'xyz="-0.02 0 0.1"'), RULES
+    )
+    assert "caster_1 ends 20 mm above" in finding.message
+
+
 def test_casters_at_two_heights_have_two_distances(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, cart(casters=("0.12 0 0.002", "-0.12 0 0.005")), RULES)
     assert "caster_0 (8 mm), caster_1 (5 mm) end below the lowest points" in finding.message

@@ -20,14 +20,17 @@ _INCLINED = 0.01
 def find_odd_casters(pose: RestPose) -> dict[str, float]:
     """Find the casters that end at another height than the wheels, the one that is farthest below or above first.
 
-    Parts of a caster that hang above its wheel are not meant: only the lowest count, unless all are too high.
+    Parts of a caster that hang above its wheel are not meant: only the lowest count, unless all are too high. Then those
+    at the height of the one on which the robot leans are meant, whichever hangs lower.
     """
     lowest = {name: drop for name, drop in pose.drops.items() if drop > pose.tolerance}
     if lowest:
         return dict(sorted(lowest.items(), key=lambda item: -item[1]))
     nearest = max(pose.drops.values(), default=0.0)
     if nearest < -pose.tolerance:
-        return {name: drop for name, drop in pose.drops.items() if drop > nearest - pose.tolerance}
+        borne = (drop for name, drop in pose.drops.items() if pose.heights[name] <= pose.tolerance)
+        level = max(borne, default=nearest)
+        return {name: drop for name, drop in pose.drops.items() if abs(drop - level) < pose.tolerance}
     return {}
 
 
