@@ -453,6 +453,20 @@ OFF = "<turnGravityOff>true</turnGravityOff>"
         (make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF), ["gravity"]),
         (make_link("camera", 0.1) + fixed("c", "base", "camera", "continuous") + block("camera", OFF), []),
         (make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF) + block("base", OFF), []),
+        (
+            make_link("camera", 0.1)
+            + fixed("c", "base", "camera")
+            + block("camera", OFF)
+            + block("base", "<gravity>false</gravity>"),
+            [],
+        ),
+        (
+            make_link("camera", 0.1)
+            + fixed("c", "base", "camera")
+            + block("camera", OFF)
+            + block("base", "<gravity>true</gravity>"),
+            ["gravity"],
+        ),
         (make_link("ballast", 9.0) + fixed("c", "base", "ballast") + block("ballast", OFF), []),
         (
             make_link("camera", 0.1) + fixed("c", "base", "camera") + block("camera", OFF.replace("true", "0")),

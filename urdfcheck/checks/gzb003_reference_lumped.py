@@ -14,6 +14,7 @@ from urdfcheck.model.fixed_joint_lumping import (
     FixedJointReduction,
     MergedShape,
     find_preserved_names,
+    is_false_flag,
     is_merged_joint,
     is_true_flag,
     reduce_fixed_joints,
@@ -235,12 +236,14 @@ def _check_gravity_flags(
             off.setdefault(body, {}).setdefault(block.get("reference"), flags[0])
     # Gravity moves none of these, with its flag or without.
     unmoved = {reduction.body_by_link.get(name) for name in find_kinematic_links(model.robot)}
+    # sdformat overrides this one, but it says that the body is to float.
+    floating = {block.get("reference") for block in blocks if any(map(is_false_flag, block.find_children("gravity")))}
     masses: dict[str, float] = {}
     for name, body in reduction.body_by_link.items():
         masses[body] = masses.get(body, 0.0) + _get_mass(model, name)
     for body, flagged in off.items():
         own = sum(_get_mass(model, name) for name in flagged)
-        if body in flagged or body in unmoved or own >= 0.5 * masses[body]:
+        if body in flagged or body in unmoved or body in floating or own >= 0.5 * masses[body]:
             continue
         if not _is_fixed_to_world(model, body) and not is_held_still(model.robot):
             first, *others = flagged.values()

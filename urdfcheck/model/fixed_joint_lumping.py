@@ -124,6 +124,11 @@ def is_true_flag(element: Element) -> bool:
     return (element.get("value") or element.text).strip().lower() in {"true", "yes", "1"}
 
 
+def is_false_flag(element: Element) -> bool:
+    """Whether an element of SDF says false: false or 0."""
+    return element.text.strip().lower() in {"false", "0"}
+
+
 def _list_links_outwards(model: Model) -> list[str]:
     """Return the links in the order in which sdformat collects their shapes.
 
