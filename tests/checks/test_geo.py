@@ -201,6 +201,13 @@ def test_a_small_piece_between_two_that_collide_is_an_info(
     assert messages == {message: Severity.INFO if message == "between" else Severity.WARNING}
 
 
+def test_a_small_piece_that_a_joint_of_gazebo_pins_to_a_part_is_between_the_two(tmp_path: Path) -> None:
+    parts = make_arm_with_hands(BOTH, BOTH, geometry("visual", '<box size="0.1 0.1 0.1"/>'))
+    loop = '<gazebo><joint name="loop" type="revolute"><parent>arm</parent><child>hand2</child></joint></gazebo>'
+    (finding,) = find(tmp_path, robot(parts + loop), "GEO002")
+    assert finding.message_id == "between"
+
+
 def test_small_pieces_one_after_the_other_are_an_info(tmp_path: Path) -> None:
     """The yaw and the pitch of a waist or a wrist."""
     piece = geometry("visual", '<box size="0.1 0.1 0.1"/>')

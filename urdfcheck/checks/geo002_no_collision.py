@@ -12,7 +12,7 @@ import numpy as np
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
-from urdfcheck.model.gazebo import list_sensors
+from urdfcheck.model.gazebo import list_loop_joints, list_sensors
 from urdfcheck.model.ground.support_polygon import LEG
 from urdfcheck.model.motion.buoyancy import find_submersible_name
 from urdfcheck.model.motion.fixed_base import HANDLING_NAME
@@ -223,7 +223,7 @@ def _list_moved_links(model: Model, body: RigidLinkGroup) -> list[str]:
 
 def _is_between(model: Model, body: RigidLinkGroup) -> bool:
     """Whether a body is in the middle of a limb: before it, and behind it on every branch, a body has collision geometry, maybe
-    after others that have none."""
+    after others that have none. A joint that closes a loop in Gazebo leads behind it too."""
     tree = model.tree
     before: str | None = body.links[0]
     while before is not None:
@@ -232,6 +232,9 @@ def _is_between(model: Model, body: RigidLinkGroup) -> bool:
         if _collides(model, before):
             break
     behind = _list_moved_links(model, body)
+    for _, *ends in list_loop_joints(model):
+        if not set(body.links).isdisjoint(ends):
+            behind += [end for end in ends if end not in body.links]
     return before is not None and bool(behind) and all(_leads_to_collision(model, link) for link in behind)
 
 
