@@ -921,7 +921,10 @@ def test_a_macro_joins_the_pieces_if_its_call_says_to_what(tmp_path: Path) -> No
     assert finding.fix.title.endswith("or pass up to macro arm, which then makes one")
 
 
-@pytest.mark.parametrize(("launch", "severity"), [("gazebo_ros r.urdf", Severity.WARNING), ("rviz", Severity.INFO)])
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [("gazebo_ros r.urdf", Severity.WARNING), ("gazebo_ros", Severity.INFO), ("rviz", Severity.INFO)],
+)
 def test_a_name_that_only_sdf_refuses_matters_where_gazebo_is_used(
     tmp_path: Path, launch: str, severity: Severity
 ) -> None:

@@ -14,7 +14,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Link, Model
 from urdfcheck.model.link_graph import KinematicGraph
 from urdfcheck.model.use.gazebo_starts import is_left_out_of_gazebo
-from urdfcheck.model.use.simulators import is_simulated
+from urdfcheck.model.use.simulators import is_started_in_simulator
 
 if TYPE_CHECKING:
     from urdfcheck.model.use.started_variants import StartedVariant
@@ -59,8 +59,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 
 def _is_without_mass(model: Model) -> bool:
-    """Whether no link has a mass and nothing simulates the robot: Gazebo would drop every link, so the model is not for it."""
-    return all(link.inertial is None for link in model.links) and not is_simulated(model)
+    """Whether no link has a mass and nothing simulates this robot: Gazebo would drop every link, so the model is not for it."""
+    return all(link.inertial is None for link in model.links) and not is_started_in_simulator(model)
 
 
 def _find_needed_variant(model: Model, kind: str) -> StartedVariant | None:
