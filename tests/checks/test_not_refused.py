@@ -149,6 +149,32 @@ def test_bullet_computes_the_inertia_of_what_collides_itself(tmp_path: Path, scr
 
 
 @pytest.mark.parametrize(
+    ("spawned", "severity"),
+    [("-file ball.sdf", Severity.WARNING), ("-topic robot_description", Severity.ERROR)],
+)
+def test_gazebo_does_not_compute_with_a_model_beside_its_own(tmp_path: Path, spawned: str, severity: Severity) -> None:
+    (tmp_path / "package.xml").write_text("<package><name>p</name></package>")
+    (tmp_path / "a.launch").write_text(f"<launch>gazebo_ros spawn_entity.py {spawned}; xacro ball.urdf</launch>")
+    shape = box("0.01 0.01 0.01")
+    text = robot(link("ball", inertial(0.0013, 1), visual(shape), collision(shape)))
+    (finding,) = find(tmp_path, text, "INR007", name="ball.urdf")
+    assert finding.severity is severity
+
+
+@pytest.mark.parametrize("includes", [True, False])
+def test_what_a_template_writes_for_other_models_too_is_not_edited(tmp_path: Path, includes: bool) -> None:
+    part = link("${name}", inertial("0.013", "0.1"), visual(box("0.01 0.02 0.03")))
+    macro = f'<xacro:macro name="part" params="name">{part}</xacro:macro>'
+    (tmp_path / "template.xacro").write_text(robot(macro, xacro=True))
+    call = '<xacro:include filename="template.xacro"/>'
+    if includes:
+        (tmp_path / "nut.xacro").write_text(robot(call, '<xacro:part name="nut"/>', xacro=True))
+    (finding,) = find(tmp_path, robot(call, '<xacro:part name="bolt"/>', xacro=True), "INR007", name="bolt.xacro")
+    assert finding.fix is not None
+    assert bool(finding.fix.edits) is not includes
+
+
+@pytest.mark.parametrize(
     ("script", "is_only"),
     [
         ("import pybullet as p\np.loadURDF('ball.urdf')", True),

@@ -38,6 +38,7 @@ from urdfcheck.model.use.display import (
     is_made_for_display,
     is_never_weighed,
 )
+from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf
 from urdfcheck.model.use.other_programs import is_weighed_by_bullet
 from urdfcheck.model.use.scenery import scenery_links
 from urdfcheck.model.use.simulators import has_elements
@@ -351,7 +352,7 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     is_vast = any(
         _is_vast(model, suspect) and not is_called_empty(model, suspect.declared.inertial.element) for suspect in known
     )
-    if not is_vast or is_drawn_alone(model):
+    if not is_vast or is_drawn_alone(model) or gives_gazebo_sdf(model):
         return None
     if all(_has_commented_inertial(model, suspect) for suspect in known):
         return None  # it was put in place of the part's own

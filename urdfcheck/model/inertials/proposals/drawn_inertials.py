@@ -29,6 +29,7 @@ from urdfcheck.model.shapes.visual_solid import (
     measure_link_geometry,
     measure_role_geometry,
 )
+from urdfcheck.source.uses_elsewhere import find_other_includers
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array, Mat3
@@ -164,8 +165,8 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     """Propose the inertia of what the link draws, at its declared mass and uniform density, in place of a placeholder.
 
     None when that is not known, or there is no mass. Without edits where a macro wrote the same text for links that draw or
-    weigh something else, where a hull or a collision shape replaces an open mesh, and where no ordinary material makes the shape
-    weigh this much: then the drawing, or the mass, is a placeholder too.
+    weigh something else, or may do so in other models, where a hull or a collision shape replaces an open mesh, and where no
+    ordinary material makes the shape weigh this much: then the drawing, or the mass, is a placeholder too.
     """
     change = _compute_from_geometry(model, link)
     if change is None or link.inertial is None:
@@ -173,7 +174,8 @@ def propose_from_geometry(model: Model, link: Link) -> InertialRepair | None:
     drawn = measure_link_geometry(model, link)
     is_exact = drawn is not None and drawn.closed and not _is_replaced_by_collision(model, link)
     is_ordinary = is_exact and _has_ordinary_density(link, drawn)
-    is_same = _has_same_geometry(model, link.inertial.element.span)
+    text = link.inertial.element.span
+    is_same = _has_same_geometry(model, text) and not (text and find_other_includers(model.source, text.file))
     return change if is_ordinary and is_same else replace(change, edits=())
 
 
