@@ -221,3 +221,38 @@ def test_only_a_file_that_names_the_model_gives_it_to_another_program(
     text = robot('<material name="red"><color rgba="255 0 0 1"/></material>', link("a"))
     (finding,) = find(tmp_path, text, "XML013", name="ball.urdf")
     assert finding.severity is severity
+
+
+TASK = "from legged_gym.envs import LeggedRobotCfg\nfile = '{LEGGED_GYM_ROOT_DIR}/robots/dog/urdf/%s'"
+
+
+@pytest.mark.parametrize(
+    ("files", "more", "severity"),
+    [
+        ({"task.py": TASK % "dog.urdf"}, "", Severity.WARNING),
+        ({"task.py": TASK % "cat.urdf"}, "", Severity.WARNING),
+        ({"run.py": "mujoco.load('dog.urdf')", "start.launch": "rviz cat.urdf"}, "", Severity.WARNING),
+        ({"task.py": TASK % "dog.urdf"}, "<gazebo/>", Severity.ERROR),
+        ({"task.py": TASK % "dog.urdf", "start.launch": "gazebo_ros dog.urdf"}, "", Severity.ERROR),
+        (
+            {"task.py": TASK % "dog.urdf", "robots/dog/package.xml": "<package><name>dog</name></package>"},
+            "",
+            Severity.ERROR,
+        ),
+        ({"task.py": "import isaacgym\nload('cat/urdf/cat.urdf')"}, "", Severity.ERROR),
+        ({"run.py": "open('dog.urdf')"}, "", Severity.ERROR),
+    ],
+)
+def test_simulators_with_parsers_of_their_own_move_joints_without_complete_limits(
+    tmp_path: Path, files: dict[str, str], more: str, severity: Severity
+) -> None:
+    for name, text in ({".git/HEAD": "", "robots/dog/urdf/dog.urdf": ""} | files).items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    legs = [
+        joint("hip", "trunk", "thigh", '<limit effort="9" velocity="9"/>', kind="revolute", axis="0 0 1"),
+        joint("knee", "thigh", "shank", '<limit lower="-1" upper="1"/>', kind="revolute", axis="0 0 1"),
+    ]
+    dog = robot(*map(link, ("trunk", "thigh", "shank")), *legs, more)
+    found = check_text(tmp_path, dog, name="robots/dog/urdf/dog.urdf", codes={"JNT004", "JNT007"}).findings
+    assert [(finding.code, finding.severity) for finding in found] == [("JNT004", severity), ("JNT007", severity)]

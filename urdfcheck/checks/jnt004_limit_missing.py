@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Any
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.text import join_names
 from urdfcheck.model import Joint, Model
+from urdfcheck.model.use.other_programs import is_read_without_urdfdom
 from urdfcheck.model.wheel_names import is_revolute_wheel
 from urdfcheck.source.text.grammar import REQUIRED_ATTRIBUTES, is_attribute_missing, list_attributes_as_children
 from urdfcheck.source.text.xml import Element
@@ -25,14 +26,18 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         if limit is None:
             yield rule.finding("wheel-missing" if is_revolute_wheel(joint) else "missing", at=joint, **data)
         elif _lacks_range(limit) and all(map(_lacks_range, joint.element.find_children("limit"))):  # else XML006
-            yield _build_range_finding(joint, limit, rule, data)
+            # The simulators that have a parser of their own move the joint.
+            severity = Severity.WARNING if is_read_without_urdfdom(model) else None
+            yield _build_range_finding(joint, limit, rule, data, severity)
 
 
 def _lacks_range(limit: Element) -> bool:
     return is_attribute_missing(limit, "lower") and is_attribute_missing(limit, "upper")
 
 
-def _build_range_finding(joint: Joint, limit: Element, rule: Rule, data: dict[str, Any]) -> Finding:
+def _build_range_finding(
+    joint: Joint, limit: Element, rule: Rule, data: dict[str, Any], severity: Severity | None
+) -> Finding:
     """Report a limit without a range; where urdfdom refuses it for something else too, no joint is left without a range."""
     typed = list_attributes_as_children(limit)
     is_range = any(child.tag in {"lower", "upper"} for child in typed)
@@ -43,6 +48,7 @@ def _build_range_finding(joint: Joint, limit: Element, rule: Rule, data: dict[st
         "children" if is_range else "wheel" if is_wheel else "locked",
         at=limit,
         related=typed if is_range else (),
+        severity=severity,
         consequences=dict.fromkeys(_USERS_OF_URDFDOM, refusal) if lacking else None,
         **data,
         tags=join_names(f"<{child.tag}>" for child in typed),

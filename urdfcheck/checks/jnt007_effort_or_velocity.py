@@ -14,7 +14,7 @@ from urdfcheck.model.likeness.side_names import remove_places
 from urdfcheck.model.motion.rotors import is_named_rotor
 from urdfcheck.model.stated_reasons import collect_reasoned_joints
 from urdfcheck.model.use.display import has_bare_joints
-from urdfcheck.model.use.other_programs import is_only_for_bullet
+from urdfcheck.model.use.other_programs import is_only_for_bullet, is_read_without_urdfdom
 from urdfcheck.model.use.simulators import is_simulated_hardware
 from urdfcheck.source.text.grammar import is_attribute_missing, list_attributes_as_children
 from urdfcheck.source.text.xml import Element
@@ -46,7 +46,7 @@ def check(model: Model, rule: Rule, *, most_effort: float, most_velocity: float)
             yield rule.finding(
                 "missing",
                 at=limit,
-                severity=Severity.ERROR,
+                severity=Severity.WARNING if is_read_without_urdfdom(model) else Severity.ERROR,
                 joint=joint.name,
                 names=" and ".join(missing),
                 typed=""

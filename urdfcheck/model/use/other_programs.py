@@ -11,6 +11,7 @@ from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.source.package.package_folders import drop_comments, read_package_texts
+from urdfcheck.source.uses_elsewhere import CALLER_SUFFIXES, iter_project_files
 
 # The packages of ros_control that read transmissions, in manifests, launch files and scripts.
 _ROS_CONTROL = re.compile(
@@ -25,6 +26,14 @@ _OTHER_INERTIA = re.compile(r"URDF_USE_INERTIA_FROM_FILE|gazebo|ros_gz|mujoco|py
 _OTHER_READER = re.compile(
     r"gazebo(?!_world_parser)|ros_gz|gz_sim|gzserver|mujoco|drake|isaac|newton|genesis|sapien|webots|coppelia|raisim|pinocchio|crocoddyl|dartpy"
     r"|trimesh|yourdfpy|urdfpy|urdf_parser|kdl|moveit|rviz|robot_description|robot_state_publisher",
+    re.IGNORECASE,
+)
+# Simulators, and a library of tasks for one, that read URDF by parsers of their own; and programs that read it by urdfdom, with
+# what has ROS read it.
+_OWN_PARSER = re.compile(r"isaac|legged_?gym|pybullet|mujoco|pydrake", re.IGNORECASE)
+_URDFDOM = re.compile(
+    r"gazebo|ros_gz|gz_sim|gzserver|pinocchio|crocoddyl|placo|dartpy|urdf_parser|kdl|moveit|rviz|robot_description"
+    r"|robot_state_publisher",
     re.IGNORECASE,
 )
 # Programs that leave out a part of a lidar's scan, in manifests, launch files and their parameters.
@@ -118,6 +127,24 @@ def is_only_for_bullet(model: Model) -> bool:
         return False
     naming = _list_naming_texts(model)
     return any(map(_BULLET.search, naming)) and not any(map(_OTHER_READER.search, naming))
+
+
+@fact
+def is_read_without_urdfdom(model: Model) -> bool:
+    """Whether a file of the project loads the model into a simulator that has its own parser, and none that names the model
+    names a program that reads it by urdfdom. False in a package of ROS, and for a robot with elements for a simulator.
+
+    A model that no file names is read as the others of its folder are.
+    """
+    path = model.source.path.absolute()
+    if model.source.package is not None or has_elements(model):
+        return False
+    texts = [drop_comments(text) for _, text in iter_project_files(model.source, CALLER_SUFFIXES)]
+    folder = re.escape("/".join(path.parts[-3:-1]))
+    beside = re.compile(rf"(?<![\w.-]){folder}/[\w.-]+\.(?:urdf|xacro)\b")
+    named = (list(filter(name.search, texts)) for name in (compile_names((path.name,)), beside))
+    naming = next(filter(None, named), [])
+    return any(map(_OWN_PARSER.search, naming)) and not any(map(_URDFDOM.search, naming))
 
 
 def _list_naming_texts(model: Model) -> list[str]:
