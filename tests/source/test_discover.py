@@ -706,6 +706,27 @@ def test_a_semantic_description_that_a_python_launch_file_expands_is_no_model(wo
     assert [Path(m).name for m in models("arm/launch/robot.launch.py")] == ["robot.srdf.xacro"]
 
 
+@pytest.mark.parametrize("path", [".", "car/launch/car.launch.py"])
+@pytest.mark.parametrize(
+    ("included", "name", "is_part"),
+    [("$(arg extras)", "", True), ("$(arg extras)", ' name="r"', False), ("", "", False)],
+)
+def test_what_a_python_launch_file_names_for_an_include_is_a_part(
+    workspace: Path, path: str, included: str, name: str, is_part: bool
+) -> None:
+    write(
+        workspace,
+        {
+            ".git/HEAD": "",
+            "car/package.xml": manifest("car"),
+            "car/urdf/car.xacro": xacro(LINK + (include(included) if included else "")),
+            "car/urdf/empty.urdf": f"<robot{name}/>",
+            "car/launch/car.launch.py": "m = 'urdf/car.xacro'; n = 'urdf/empty.urdf'",
+        },
+    )
+    assert any(name.endswith("empty.urdf") for name in models(path)) is not is_part
+
+
 def test_a_python_launch_file_is_checked_with_the_one_model_that_it_names(workspace: Path) -> None:
     write(
         workspace,

@@ -421,6 +421,7 @@ class _Planner:
                         path=model,
                         arguments=self.arguments,
                         launches=(path,) if is_only else (),
+                        is_part=self.is_nameless_part(model),
                         is_test_data=self.is_data_of_test(model, path),
                         is_kept_aside=self.is_in_unused_package(model, path),
                         xacro=True if is_only and launch.runs_xacro else None,
@@ -466,6 +467,14 @@ class _Planner:
         """Whether what a launch file names as a model is not a semantic description, which xacro may also make."""
         file = self.budget.read_file(path) if is_srdf(path) else None
         return file is None or file.makes_robot
+
+    def is_nameless_part(self, path: Path) -> bool:
+        """Whether what a launch file names has no robot's name, and another file includes it, or may: it may be the default of
+        an argument by which a robot includes more."""
+        file = self.budget.read_file(path)
+        if file is None or file.has_name:
+            return False
+        return any(folder.may_be_part(path) for folder, _ in self.iter_folders_around(path))
 
     def extend_reach(self, model: Path, finder: PackageFinder) -> None:
         """Bring the package of a model that a launch file leads to into reach: it is checked like any other."""
