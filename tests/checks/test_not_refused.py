@@ -99,6 +99,25 @@ def test_the_line_of_a_macro_that_makes_sound_shapes_is_not_removed(tmp_path: Pa
         assert finding.fix.title.endswith("makes that of b") == (other == "1")
 
 
+@pytest.mark.parametrize(
+    ("launch", "shape", "severity", "consequence"),
+    [
+        ("gazebo_ros launch/empty_world.launch", box("0 0 0"), Severity.WARNING, "loads it in Classic"),
+        ("gazebo_ros launch/empty_world.launch", cylinder(0.1, 0), Severity.WARNING, "loads it in Classic"),
+        ("gazebo_ros launch/empty_world.launch", cylinder(-0.1, 1), Severity.ERROR, ""),
+        ("gazebo_ros launch/empty_world.launch; ros_gz_sim", box("0 0 0"), Severity.ERROR, "aborts"),
+        ("", box("0 0 0"), Severity.ERROR, "aborts"),
+    ],
+)
+def test_classic_alone_accepts_a_shape_without_size(
+    tmp_path: Path, launch: str, shape: str, severity: Severity, consequence: str
+) -> None:
+    (tmp_path / "start.launch").write_text(launch)
+    (finding,) = find(tmp_path, robot(link("a", HEAVY, collision(shape))), "GEO001")
+    assert finding.severity is severity
+    assert finding.consequences.get("gazebo", "").startswith(consequence)
+
+
 FREE = 'write type="continuous" if the joint turns without limits, as Bullet reads it; otherwise swap the two'
 
 

@@ -11,6 +11,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model, Shape
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.rigid_bodies import compute_body_mass
+from urdfcheck.model.use.gazebo_starts import is_only_for_classic
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.handed_values import list_zero_sources
 from urdfcheck.source.text.values import parse_numbers
@@ -33,6 +34,10 @@ DRAWN = "loads it (it does not read visuals)"
 # Drake on a sphere of radius 0, and coal on one of negative radius; other shapes differ.
 POINT = "loads it as a point, which marks a contact"
 INSIDE_OUT = "the sphere has a negative volume and collides only deep inside"
+# Gazebo Classic on a box or a cylinder, which its own engines accept.
+IN_CLASSIC = (
+    "loads it in Classic, where nothing touches the shape; versions of before July 2020 crash where they draw it"
+)
 # The conversion to SDF drops a body without mass.
 DROPPED = "drops the link, which has no mass, and the shape with it"
 _REMOVE = "remove this <collision>, or write its real size"
@@ -95,6 +100,8 @@ def _check_dimensions(
     if not (negative or zero):
         return
     reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED}
+    is_in_classic = bool(zero) and not mesh and is_only_for_classic(model)
+    reactions |= {"gazebo": IN_CLASSIC} if is_in_classic else {}
     reactions |= {} if _has_mass(model, link) else {"gazebo": DROPPED}
     data: dict[str, Any] = {
         "link": link.name,
@@ -128,7 +135,9 @@ def _check_dimensions(
             reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
     elif zero:
-        yield rule.finding("zero", at=attribute, repair=_describe_repair(model, shape, attribute), **data)
+        severity = Severity.WARNING if is_in_classic else None
+        repair = _describe_repair(model, shape, attribute)
+        yield rule.finding("zero", at=attribute, severity=severity, repair=repair, **data)
 
 
 def _describe_repair(model: Model, shape: Shape, attribute: Attribute) -> str:
