@@ -440,6 +440,7 @@ def typed(attribute: str) -> str:
         ('type="hinge"', "misspelt", "revolute"),
         ('type="fixed "', "misspelt", "fixed"),
         ('type="ball"', "sdf", None),
+        ('type="spherical"', "spherical", None),
         ('type="wobbly"', "unknown", None),
         ('type=""', "unknown", None),
         ("", "missing", None),
@@ -450,6 +451,21 @@ def test_a_type_that_there_is_not(tmp_path: Path, attribute: str, message: str, 
     assert (finding.message_id, finding.severity) == (message, Severity.ERROR)
     assert finding.fix is not None
     assert [edit.replacement for edit in finding.fix.edits] == ([written] if written else [])
+
+
+@pytest.mark.parametrize(
+    ("script", "severity"),
+    [
+        ("pybullet.loadURDF('robot.urdf')", Severity.WARNING),
+        ("pybullet.loadURDF('robot.urdf'); import mujoco", Severity.ERROR),
+        ("pybullet.loadURDF('other.urdf')", Severity.ERROR),
+    ],
+)
+def test_bullet_has_one_more_type(tmp_path: Path, script: str, severity: Severity) -> None:
+    (tmp_path / "run.py").write_text(script)
+    (finding,) = check_text(tmp_path, typed('type="spherical"'), codes={"KIN009"}).findings
+    assert (finding.message_id, finding.severity) == ("spherical", severity)
+    assert finding.consequences["bullet"] == "loads it"
 
 
 def test_a_misspelt_attribute_is_not_a_missing_type(tmp_path: Path) -> None:
