@@ -771,6 +771,19 @@ def test_a_robot_weighs_a_gram_to_a_hundred_tonnes(tmp_path: Path, masses: tuple
     assert [f.cause.id if f.cause else "" for f in findings] == ([] if cause is None else [cause])
 
 
+@pytest.mark.parametrize(
+    ("mass", "is_jointed", "found"),
+    [(0.0008, False, []), (0.0008, True, ["light"]), (0.0000008, False, ["light"]), (0.000008, False, ["light"])],
+)
+def test_a_small_object_may_weigh_less_than_a_gram(
+    tmp_path: Path, mass: float, is_jointed: bool, found: list[str]
+) -> None:
+    """A plate of 0.1 cm³ is of steel at 0.8 g; it is of no material at 8 mg."""
+    nut = link("nut", inertial(mass * 1.01), visual(box("0.01 0.005 0.002")))
+    more = (link("bolt", inertial(1e-7)), joint("j", "nut", "bolt", kind="continuous", axis="0 0 1")) if is_jointed else ()
+    assert [f.message_id for f in find(tmp_path, robot(nut, *more), "INR015")] == found
+
+
 def test_frames_of_a_fragment_have_token_masses(tmp_path: Path) -> None:
     text = robot(link("grip", inertial(1e-4, 1e-8)), link("tip", inertial(1e-4, 1e-8)), joint("j", "grip", "tip"))
     assert not find(tmp_path, text, "INR015")

@@ -58,7 +58,9 @@ def check(
         yield rule.finding(
             "volumes", at=model.name_location, robot=model.name, total=total, links=len(masses), measured=measured
         )
-    elif (total > most and not _is_light_for_its_size(model, total)) or (total < least and _has_most_masses(model)):
+    elif (total > most and not _is_light_for_its_size(model, total)) or (
+        total < least and _has_most_masses(model) and not _is_small_object(model)
+    ):
         # In tonnes too, a robot weighs a gram or more.
         light = _name_unit(model, masses, "tonnes") if _TONNE * total >= least else None
         message, cause = ("light", light) if total < least else ("heavy", _name_unit(model, masses, "grams"))
@@ -87,6 +89,16 @@ def _is_unmoved(model: Model) -> bool:
     from urdfcheck.model.motion.fixed_base import is_sensor_stand  # loads numpy
 
     return is_sensor_stand(model) or (not any(joint.is_movable for joint in model.joints) and is_never_weighed(model))
+
+
+def _is_small_object(model: Model) -> bool:
+    """Whether no joint of a model moves and each of its masses is that of a part of its volume: a nut weighs a gram."""
+    if any(joint.is_movable for joint in model.joints):
+        return False
+    from urdfcheck.model.shapes.visual_solid import measure_links_volume  # most masses need no volume
+
+    measured = [(one.mass, measure_links_volume(model, (one.link,))) for one in model.masses if one.mass > 0]
+    return all(volume and is_part_density(mass / volume) for mass, volume in measured)
 
 
 def _has_frames_only(model: Model) -> bool:
