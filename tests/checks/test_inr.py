@@ -780,7 +780,9 @@ def test_a_small_object_may_weigh_less_than_a_gram(
 ) -> None:
     """A plate of 0.1 cm³ is of steel at 0.8 g; it is of no material at 8 mg."""
     nut = link("nut", inertial(mass * 1.01), visual(box("0.01 0.005 0.002")))
-    more = (link("bolt", inertial(1e-7)), joint("j", "nut", "bolt", kind="continuous", axis="0 0 1")) if is_jointed else ()
+    more = (
+        (link("bolt", inertial(1e-7)), joint("j", "nut", "bolt", kind="continuous", axis="0 0 1")) if is_jointed else ()
+    )
     assert [f.message_id for f in find(tmp_path, robot(nut, *more), "INR015")] == found
 
 

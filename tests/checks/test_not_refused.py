@@ -118,6 +118,21 @@ def test_classic_alone_accepts_a_shape_without_size(
     assert finding.consequences.get("gazebo", "").startswith(consequence)
 
 
+@pytest.mark.parametrize(
+    ("launch", "severity"),
+    [
+        ("gazebo_ros launch/empty_world.launch", Severity.WARNING),
+        ("gazebo_ros launch/empty_world.launch; ros_gz_sim", Severity.ERROR),
+        ("", Severity.ERROR),
+    ],
+)
+def test_classic_alone_reads_no_colour(tmp_path: Path, launch: str, severity: Severity) -> None:
+    (tmp_path / "start.launch").write_text(launch)
+    drawn = visual(box("1 1 1")).replace("</visual>", '<material name="m"><color/></material></visual>')
+    (finding,) = find(tmp_path, robot(link("a", HEAVY, drawn)), "XML005")
+    assert finding.severity is severity
+
+
 FREE = 'write type="continuous" if the joint turns without limits, as Bullet reads it; otherwise swap the two'
 
 

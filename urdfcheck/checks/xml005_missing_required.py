@@ -7,6 +7,7 @@ from typing import Any
 
 from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
+from urdfcheck.model.use.gazebo_starts import is_only_for_classic
 from urdfcheck.source.text.engine_reactions import describe_engine_reactions, describe_gap_in_yourdfpy, describe_loss
 from urdfcheck.source.text.grammar import (
     CHILDREN,
@@ -41,7 +42,7 @@ _DELETABLE = frozenset({"mimic", "material", "color"})
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
     for element in iter_first_elements(model.robot):
         yield from _check_children(model, element, rule)
-        yield from _check_attributes(element, rule)
+        yield from _check_attributes(model, element, rule)
         if element.tag == "geometry" and not element.children:
             yield rule.finding(
                 "shape",
@@ -129,7 +130,7 @@ def _collect_lost(model: Model, element: Element) -> set[str]:
     return set() if is_known or not model.source.is_xacro else collect_lost_tags(model.source.trees, element)
 
 
-def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:
+def _check_attributes(model: Model, element: Element, rule: Rule) -> Iterator[Finding]:
     required = REQUIRED_ATTRIBUTES[element.tag] if element.tag in _CHECKED_TAGS else ()
     if element.tag == "joint":
         required = ("name",)
@@ -142,6 +143,8 @@ def _check_attributes(element: Element, rule: Rule) -> Iterator[Finding]:
             "attribute",
             at=element,
             consequences=consequences,
+            # Classic does not read the colours of URDF.
+            severity=Severity.WARNING if element.tag == "color" and is_only_for_classic(model) else None,
             missing=listed,
             wanted=_describe_wanted(element, missing),
             **data,
