@@ -315,7 +315,7 @@ def test_no_program_loses_a_shape_without_its_texture(tmp_path: Path, with_mesh:
     assert ("drake" in finding.consequences) == with_mesh
 
 
-@pytest.mark.parametrize(("mark", "message"), [("#", "expansion-aside"), ("", "expansion")])
+@pytest.mark.parametrize(("mark", "message"), [("#", "expansion-aside"), ("", "expansion-undeclared")])
 def test_a_xacro_that_only_a_remark_of_a_script_names_is_left_aside(tmp_path: Path, mark: str, message: str) -> None:
     """The other model may be in a remark too: it shows that the package has files that are used elsewhere."""
     write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
@@ -332,3 +332,66 @@ def test_letters_of_a_file_that_is_found_are_told_on_request(tmp_path: Path, fil
     for options, expected in (((), is_reported), (("-v",), True)):
         report = json.loads(command("r.urdf", "--format", "json", *options, cwd=tmp_path).stdout)
         assert ("PKG011" in {finding["code"] for finding in report["findings"]}) is expected
+
+
+@pytest.mark.parametrize(
+    ("package", "file", "clone", "message", "severity"),
+    [
+        ("ur_description", "README.md", "", "expansion-undeclared", Severity.WARNING),
+        ("arms", "README.md", "git clone https://h/u/arms", "expansion-undeclared", Severity.WARNING),
+        ("arms", "Dockerfile", "RUN git clone https://h/u/arms.git", "expansion-undeclared", Severity.WARNING),
+        ("arms", "README.md", "git clone https://h/u/legs", "expansion", Severity.ERROR),
+        ("p_parts", "README.md", "git clone https://h/u/p_parts", "expansion", Severity.ERROR),  # p has the file
+    ],
+)
+def test_a_model_whose_package_can_be_had_elsewhere_lacks_a_declaration(
+    tmp_path: Path, package: str, file: str, clone: str, message: str, severity: Severity
+) -> None:
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, file, text=clone)
+    write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
+    write(tmp_path, "p/urdf/parts.xacro", text="<robot/>")
+    part = "parts" if package == "p_parts" else "arm"
+    write(tmp_path, "p/urdf/r.urdf.xacro", text=include(package, f"urdf/{part}.xacro"))
+    (finding,) = check(tmp_path / "p/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert (finding.message_id, finding.severity, finding.blocks_check) == (message, severity, True)
+
+
+@pytest.mark.parametrize(
+    ("file", "line", "is_copied"),
+    [
+        ("docker/Dockerfile.cart", "COPY docker/files/cart.urdf.xacro /ws/src/cart/urdf/cart.urdf.xacro", True),
+        (
+            "docker-compose.yaml",
+            "  command: bash -c 'cp src/x/files/cart.urdf.xacro src/cart/urdf/ && roslaunch a b'",
+            True,
+        ),
+        ("docker/Dockerfile", "# COPY docker/files/cart.urdf.xacro /ws", False),
+        ("docker/Dockerfile", "COPY docker/other/cart.urdf.xacro /ws", False),
+        ("docker/Dockerfile", "RUN cat docker/files/cart.urdf.xacro", False),
+    ],
+)
+@pytest.mark.parametrize("in_package", [True, False])
+def test_a_model_that_is_copied_into_an_image_needs_its_packages_there(
+    tmp_path: Path, file: str, line: str, is_copied: bool, in_package: bool
+) -> None:
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, file, text=f"{line}\n")
+    if in_package:
+        write(tmp_path, "docker/files/package.xml", text="<package><name>files</name></package>")
+    write(tmp_path, "docker/files/cart.urdf.xacro", text=include("cart_wheels", "urdf/wheel.xacro"))
+    (finding,) = check(tmp_path / "docker/files/cart.urdf.xacro", codes={"PKG001"}).findings
+    wanted = ("expansion-copied", Severity.INFO) if is_copied else ("expansion", Severity.ERROR)
+    assert (finding.message_id, finding.severity, finding.blocks_check) == (*wanted, True)
+    assert get_repair(finding).startswith("nothing if the image has") == is_copied
+
+
+@pytest.mark.parametrize("has_all", [True, False])
+def test_a_folder_is_meant_by_a_package_if_it_has_all_included_files(tmp_path: Path, has_all: bool) -> None:
+    write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
+    write(tmp_path, "p/urdf/materials.xacro", *(["p/urdf/arm.xacro"] if has_all else []), text="<robot/>")
+    files = ("urdf/materials.xacro", "urdf/arm.xacro")
+    text = "".join(f'<xacro:include filename="$(find ur_description)/{file}"/>' for file in files)
+    write(tmp_path, "p/urdf/r.urdf.xacro", text=robot(text, xacro=True))
+    (finding,) = check(tmp_path / "p/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert get_repair(finding).startswith("if that file is meant, write `$(find p)/urdf/materials.xacro`") == has_all

@@ -40,7 +40,7 @@ from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
-from urdfcheck.source.uses_elsewhere import find_other_includers, is_left_output
+from urdfcheck.source.uses_elsewhere import CONTAINER_FILE, find_other_includers, is_left_output
 from urdfcheck.source.xacro.usage import list_content_arguments
 from urdfcheck.system.files import read_text_or_nothing
 
@@ -52,8 +52,7 @@ _DISTRIBUTIONS = "/opt/ros/"
 _INSTALLED = re.compile(r"/share/([\w-]+)/(.+)$")
 # A workspace and what is in it.
 _WORKSPACE = re.compile(r"(/.+?)/(?:install|devel|src|share)/")
-# The files that describe a container.
-_CONTAINER_FILE = re.compile(r"Dockerfile|Containerfile|compose[\w.-]*\.ya?ml$|^devcontainer\.json$", re.IGNORECASE)
+# The folders of files that describe a container.
 _CONTAINER_FOLDERS = ("", "docker", ".docker", ".devcontainer")
 _OUTSIDE = "drops the control plugin outside that container: no controller manager starts"
 _OF_GAZEBO = re.compile(r"gazebo|gz_|ign_", re.IGNORECASE)
@@ -245,7 +244,7 @@ def _is_in_container(model: Model, path: str) -> bool:
     return any(
         place.search(read_text_or_nothing(file)) is not None
         for file in files
-        if _CONTAINER_FILE.search(file.name) and finder.can_open(file)
+        if CONTAINER_FILE.search(file.name) and finder.can_open(file)
     )
 
 

@@ -22,6 +22,7 @@ from urdfcheck.source.package.similar_files import (
     index_files,
     is_in_folder_of_another,
     propose_checkout,
+    propose_clone,
 )
 from urdfcheck.source.path_arguments import list_path_arguments
 from urdfcheck.source.project_folders import find_project_folder, is_part_of_robot
@@ -44,11 +45,12 @@ from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
-from urdfcheck.source.text.xml import Element, flatten_definitions
+from urdfcheck.source.text.xml import COMMENT, Element, flatten_definitions
 from urdfcheck.source.uses_elsewhere import (
     KEPT_ASIDE,
     OF_TESTS,
     explain_kept_file,
+    find_copying_image,
     find_deploying_script,
     find_filling_script,
     is_certainly_left_aside,
@@ -66,7 +68,8 @@ _LEAST_FILES = 3
 _NOTES = frozenset({
     *("files-declared", "files-inside", "files-part", "files-recorded", "files-rosbuild", "files-aside", "rosbuild"),
     *("files-gazebo", "files-kept", "files-model", "files-path"),
-    *("expansion-aside", "expansion-declared", "expansion-inside", "expansion-released", "expansion-rosbuild"),
+    *("expansion-aside", "expansion-copied", "expansion-declared", "expansion-inside"),
+    *("expansion-released", "expansion-rosbuild"),
 })  # fmt: skip
 # What a file is of which no program of the robot needs the meshes, by what says so.
 _KINDS_OF_KEPT = {OF_TESTS: "a test", KEPT_ASIDE: "an old model"}
@@ -132,11 +135,16 @@ def _build_finding(
         else kind
     )
     clone = _find_rosbuild_folder(source, package, at)
+    released = read_released_packages()
+    is_elsewhere = bool(package) and (package in released or bool(propose_clone(package, source.finder)))
+    included = None if uses else _find_included_file(source, package, at)
     if message == "expansion":
-        message = _name_expansion(source, package)
+        is_undeclared = is_elsewhere and not (near or checkout or included)
+        message = _name_expansion(source, package, is_undeclared=is_undeclared)
     is_lost = message in {"files", "expansion"} and not near and not here and not checkout
     inside = _find_place_in_package(source, package, _list_wanted_files(package, uses, at, source)) if is_lost else ""
     script = find_deploying_script(source) if is_lost and uses else None
+    script = find_copying_image(source) if message == "expansion-copied" else script
     kept = explain_kept_file(source) if message in {"files", "files-aside"} and is_lost else ""
     filling = find_filling_script(source, package) if is_lost and uses and package else None
     kept = kept if filling is None else f"{filling.name} writes something else in place of {package}"
@@ -151,7 +159,7 @@ def _build_finding(
         message = "expansion-rosbuild"
     elif inside:
         message = f"{message}-inside"
-    elif script is not None:
+    elif script is not None and uses:
         message = "files-part"
     elif on_path is not None and message in {"files", "files-aside"}:
         message = "files-path"
@@ -190,10 +198,11 @@ def _build_finding(
         repair = _add_own_folder(repair, source, package, files)
     if clone is not None and kind == "expansion":
         repair = _describe_rosbuild_repair(source, package, clone)
-    released = read_released_packages()
-    if package and not (checkout or here or near or (declared and package in released)):
+    if package and not (
+        checkout or here or near or message == "expansion-copied" or (declared and package in released)
+    ):
         repair = add_checkout(repair, package, source.finder)
-    file_here = _find_included_file(source, package, at) if is_lost and not (uses or inside or clone) else None
+    file_here = included if is_lost and not (inside or clone) else None
     repair = _describe_included_file(file_here, package, owner, repair)
     if kind == "expansion" and clone is None:
         skipping = find_skipping_argument(source, at)
@@ -206,10 +215,11 @@ def _build_finding(
         at=at,
         related=[*related, *places],
         edits=[] if scaled else _propose_edits(uses, package, near),
-        severity=_grade(message, is_outside=bool(is_outside), is_released=is_lost and not own and package in released),
+        severity=_grade(message, is_outside=bool(is_outside), is_elsewhere=is_lost and not own and is_elsewhere),
         consequences=_describe_loss(uses, source, in_gazebo) if lost or message == "files-gazebo" else None,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
         package=package,
+        known="ROS has released it" if package in released else "the project says how to get it",
         manifest="package.xml"
         if dependent is None or (source.package and dependent == source.package.name)
         else f"package.xml of {dependent}",
@@ -249,16 +259,23 @@ def _build_finding(
         + named_by,
     )
     # The file is right, and the model is unknown all the same: the run says that it was not checked.
-    is_blocked = kind == "expansion" and message in _NOTES
+    is_blocked = kind == "expansion" and message in {*_NOTES, "expansion-undeclared"}
     return replace(finding, blocks_check=True) if is_blocked else finding
 
 
-def _name_expansion(source: Source, package: str) -> str:
-    """Return the message about a model that cannot expand without a package."""
+def _name_expansion(source: Source, package: str, *, is_undeclared: bool) -> str:
+    """Return the message about a model that cannot expand without a package.
+
+    ``is_undeclared``: whether it is known where the package is, so that the model's package only lacks the dependency.
+    """
+    if find_copying_image(source) is not None:
+        return "expansion-copied"
     # No program loads a file that none names where the others name other models, as in XAC001.
     if is_unused(source) or explain_kept_file(source) == KEPT_ASIDE:
         return "expansion-aside"
-    return "expansion-released" if is_released_elsewhere(source, package) else "expansion"
+    if is_released_elsewhere(source, package):
+        return "expansion-released"
+    return "expansion-undeclared" if is_undeclared and source.package is not None else "expansion"
 
 
 def _describe_loss(uses: Sequence[ResourceUse], source: Source, gazebo_model: str) -> dict[str, str]:
@@ -317,15 +334,17 @@ def _are_textures(uses: Iterable[ResourceUse]) -> bool:
     return all(use.attribute.owner.tag == "texture" for use in uses)
 
 
-def _grade(message: str, *, is_outside: bool, is_released: bool) -> Severity | None:
+def _grade(message: str, *, is_outside: bool, is_elsewhere: bool) -> Severity | None:
     """Return the severity of a message; None for that of the rule.
 
-    ``is_released``: whether a released package has the files, as far as is known: the model is right where that is installed.
+    ``is_elsewhere``: whether a released package, or one that the project says how to get, has the files, as far as is known: the
+    model is right where that is installed.
     """
     if message in _NOTES and not is_outside:
         return Severity.INFO
     # Without a texture no program loses a shape.
-    is_weaker = is_outside or message in {"files-released", "textures"} or (message == "files" and is_released)
+    is_weaker = is_outside or message in {"expansion-undeclared", "files-released", "textures"}
+    is_weaker |= message == "files" and is_elsewhere
     return Severity.WARNING if is_weaker else None
 
 
@@ -474,14 +493,17 @@ def _find_rosbuild_folder(source: Source, package: str, at: Location) -> Path | 
 def _find_included_file(source: Source, package: str, at: Location) -> tuple[Path, str] | None:
     """Return the nearest folder around the model that has the file typed after ``$(find …)``, and the file's path in it.
 
-    A file that includes one of its own name from elsewhere is a wrapper of that.
+    A folder that lacks another file of the package is not what is meant. A file that includes one of its own name from elsewhere
+    is a wrapper of that.
     """
     inside = _read_path_behind(at, source)
     if not package or not inside or at.span is None:
         return None
     itself = os.path.abspath(source.files[at.span.file].path)
+    named = re.compile(rf"\$\(find\s+{re.escape(package)}\s*\)/([^\s$\"'<>{{}}()]+)[\"']")
+    wanted = [inside, *(path for file in source.files.values() for path in named.findall(COMMENT.sub("", file.text)))]
     for folder in source.finder.list_parent_folders():
-        if _has_all_files(folder, [inside], source):
+        if _has_all_files(folder, wanted, source):
             return None if os.path.abspath(folder / inside) == itself else (folder, inside)
     return None
 

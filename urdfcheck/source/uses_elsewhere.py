@@ -50,6 +50,8 @@ _OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 # What authors put where a script, or a person, is to write something.
 _PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]{3,}(?:_[A-Z0-9]+)*|__\w+__|@\w+@|\{[^{}]+\}|%\(?\w+\)?s|<[^<>]+>")
 SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
+# Files that say how an image is made.
+CONTAINER_FILE = re.compile(r"Dockerfile|Containerfile|compose[\w.-]*\.ya?ml$|^devcontainer\.json$", re.IGNORECASE)
 _FETCHES = re.compile(
     r"\b(?:wget|curl|unzip|git clone|gdown|rsync|cp|mv)\s|\b(?:urlretrieve|snapshot_download|requests\.get)\("
 )
@@ -368,6 +370,15 @@ def find_deploying_script(source: Source) -> Path | None:
     return next((path for path, text in iter_project_files(source, SCRIPT_SUFFIXES) if own.search(text)), None)
 
 
+@lru_cache(maxsize=1)
+def find_copying_image(source: Source) -> Path | None:
+    """Return the file of Docker in the project that copies the model into an image, whose packages are not all here."""
+    name, folder = re.escape(source.path.name), re.escape(source.path.absolute().parent.name)
+    copied = re.compile(rf"(?m)^[^#\n]*\b(?:COPY|ADD|cp)\s(?:[^\n]*[\s/])?{folder}/{name}\s")
+    files = iter_project_files(source, named=CONTAINER_FILE)
+    return next((path for path, text in files if copied.search(text)), None)
+
+
 @lru_cache(maxsize=8)  # a model has few such words
 def find_filling_script(source: Source, word: str) -> Path | None:
     """Return a script of the project that puts another text in place of a ``word`` in capitals or brackets, as in a template.
@@ -432,11 +443,15 @@ def explain_kept_file(source: Source) -> str:
     )
 
 
-def iter_project_files(source: Source, endings: tuple[str, ...]) -> Iterator[tuple[Path, str]]:
-    """Yield the files of the project whose names end so, in or outside packages, each with its text as far as it can be read."""
+def iter_project_files(
+    source: Source, endings: tuple[str, ...] = (), *, named: re.Pattern[str] | None = None
+) -> Iterator[tuple[Path, str]]:
+    """Yield the files of the project whose names end so, or in which a pattern is found, in or outside packages, each with its
+    text as far as it can be read."""
     for here, names, files in walk(find_project_folder(source.path)):
         names[:] = [name for name in names if not name.startswith(".")]
-        for path in (Path(here, name) for name in sorted(files) if name.endswith(endings)):
+        wanted = (name for name in sorted(files) if name.endswith(endings) or (named and named.search(name)))
+        for path in (Path(here, name) for name in wanted):
             if source.finder.can_open(path):
                 yield path, read_text_or_nothing(path, _MAX_BYTES)
 

@@ -43,8 +43,10 @@ _REPOSITORIES, _MOST_REPOSITORY_FILES = re.compile(r"[^.].*(?:\.repos|[._-]repos
 _REPOSITORY = re.compile(r"(?m)^[ \t]+([\w./-]+):[ \t]*\n(?:[ \t]+(?!url:)\w+:.*\n)*[ \t]+url:[ \t]*(\S+)")
 # The address of a repository in the format of rosinstall, which vcstool reads too.
 _ROSINSTALL = re.compile(r"\buri:[ \t]*[\"']?([^\s\"',}]+)")
-# A text for readers, and the address of a repository in it that they are to clone.
-_FOR_READERS = re.compile(r"(?i)(?:readme|install|installation|setup)[\w.-]*\.(?:md|rst|txt)|readme")
+# A text that says how to install, to readers or to Docker, and the address of a repository in it that is cloned.
+_INSTALLING = re.compile(
+    r"(?i)(?:readme|install|installation|setup)[\w.-]*\.(?:md|rst|txt)|readme|dockerfile(?:[._-][\w.-]+)?"
+)
 _CLONED = re.compile(r"\bgit clone (?:-{1,2}[\w-]+(?:[ =](?!-)[\w./-]+)? ){0,5}((?:https?://|git@)[\w./:~@-]+\w)")
 # The name of one robot of a series: its word and its number, which may end with letters.
 _VARIANT = re.compile(r"([a-z_-]+)(\d+[a-z]{0,2})$")
@@ -317,8 +319,8 @@ def _list_repositories(finder: PackageFinder) -> list[tuple[Path, dict[str, str]
 
 
 def _find_documented_clone(package: str, finder: PackageFinder) -> tuple[Path, str] | None:
-    """Return a text for readers around the start that says how to clone the repository of this name, and its address."""
-    for file, text in _iter_texts_around(_FOR_READERS, finder):
+    """Return a text around the start that says how to clone the repository of this name, and its address."""
+    for file, text in _iter_texts_around(_INSTALLING, finder):
         address = next((found for found in _CLONED.findall(text) if _cut_path(found) == package), None)
         if address is not None:
             return file, address
