@@ -1120,6 +1120,27 @@ def test_the_nearest_file_with_the_missing_link_is_said_to_complete_a_robot(tmp_
     assert "setup.urdf, which has stand, completes this one" in finding.fix.title
 
 
+@pytest.mark.parametrize(
+    ("name", "repair"),
+    [
+        ("cell", "take what is missing from whole/cell.urdf, which has the same robot name and stand; "),
+        ("cube", "name an"),
+    ],
+)
+def test_another_folder_completes_only_a_robot_of_the_same_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, repair: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    files = {
+        ".git/HEAD": "",
+        "cell/corner.urdf": robot(link("wall"), link("arm"), joint("j", "stand", "arm"), name="cell"),
+        "whole/cell.urdf": robot(link("stand"), link("table"), name=name),
+    }
+    (finding,) = find(tmp_path, files, "KIN002", name="cell/corner.urdf")
+    assert finding.fix is not None
+    assert finding.fix.title.startswith(repair)
+
+
 @pytest.mark.parametrize(("mass", "severity"), [("0", Severity.INFO), ("2", Severity.WARNING)])
 def test_a_model_without_any_mass_has_none_to_lose(tmp_path: Path, mass: str, severity: Severity) -> None:
     zeros = '<inertia ixx="{0}" ixy="0" ixz="0" iyy="{0}" iyz="0" izz="{0}"/>'

@@ -22,6 +22,8 @@ _ADDING = 'add `<link name="{called}"/>` if no other file is to bring it, or {na
 _CARRYING = '{naming}, or add `<link name="{called}"/>` and the joint that carries it'
 # Another file may have been meant to complete this one, as an upper body does a lower one.
 _COMPLETING = "if {file}, which has {called}, completes this one, include both from one robot; otherwise "
+# Or be cut from it.
+_TAKING = "take what is missing from {file}, which has the same robot name and {called}; otherwise "
 _ATTACHING = 'include {file} from the robot that has {called}; to load it alone, add `<link name="{called}"/>` there'
 # That robot has the link already: one more in this file would be a second one there.
 _INCLUDED = (
@@ -163,8 +165,8 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         elif hangs:
             file, template = Path(model.source.name).name, _choose_attachment(model, called)
         else:
-            file, template = _find_completing_file(model, called), alone
-            template = _COMPLETING + template if file else template
+            file, begin = _find_rest(model, called)
+            template = begin + alone
         # Where neither a package nor a robot that includes the file shows what loads it, it may be for Drake alone.
         is_for_drake = called in _WORLD and not is_child and model.source.package is None and including is None
         template = _OF_DRAKE if is_for_drake else template
@@ -231,12 +233,18 @@ def _choose_attachment(model: Model, called: str) -> str:
     return _ATTACHING if is_named_elsewhere(model, called) else _LEFT_OVER
 
 
-def _find_completing_file(model: Model, called: str) -> str:
-    """Return the name of another robot file with a link of this name; empty if there is none."""
-    from urdfcheck.model.likeness.whole_models import find_defining_file  # loaded only for such a file
+def _find_rest(model: Model, called: str) -> tuple[str, str]:
+    """Return the name of another robot file with a link of this name, and the begin of a repair with it; empty without one."""
+    from urdfcheck.model.likeness.whole_models import (
+        find_defining_file,
+        find_whole_model,
+    )  # loaded only for such a file
 
+    whole = find_whole_model(model, {called})
+    if whole is not None:
+        return format_path(whole), _TAKING
     found = find_defining_file(model, called)
-    return "" if found is None else format_path(found)
+    return ("", "") if found is None else (format_path(found), _COMPLETING)
 
 
 def _describe_places(places: list[tuple[Joint, Attribute]]) -> str:

@@ -142,9 +142,12 @@ def is_named_elsewhere(model: Model, link: str) -> bool:
 
 
 def find_defining_file(model: Model, link: str) -> Path | None:
-    """Return the nearest other robot file of the repository that spells out a link of this name and none of the model's own, or
-    None: a common name such as ``world`` is in files of other robots too."""
-    spelled = ((path, _read_link_names(model, path)) for path in _list_nearest_files(model))
+    """Return the nearest other robot file of the model's package, or of its folder without one, that spells out a link of this
+    name and none of the model's own, or None: a common name such as ``base_link`` is in files of other robots too."""
+    package = model.source.package
+    home = model.source.path.absolute().parent if package is None else package.path.absolute()
+    near = (path for path in _list_nearest_files(model) if path.absolute().is_relative_to(home))
+    spelled = ((path, _read_link_names(model, path)) for path in near)
     return next((path for path, names in spelled if link in names and names.isdisjoint(model.link_by_name)), None)
 
 
