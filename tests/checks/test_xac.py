@@ -2076,7 +2076,7 @@ robot = {call.format("path", passed)}
 @pytest.mark.parametrize(
     ("include", "handed", "severity"),
     [
-        ("$(arg extra)", "extra", Severity.WARNING),
+        ("$(arg extra)", "extra", Severity.INFO),
         ("$(arg extra)", "other", Severity.ERROR),
         ("$(find car)/urdf/$(arg extra).xacro", "extra", Severity.ERROR),  # the argument is no file
     ],
@@ -2099,7 +2099,28 @@ def test_a_file_that_a_launch_file_hands_to_a_model_is_its_part(
     assert (
         "sim.launch.py only hands the file to a model that includes it ($(arg extra)); else give a value"
         in (finding.fix.title)
-    ) == (severity is Severity.WARNING)
+    ) == (severity is Severity.INFO)
+
+
+@pytest.mark.parametrize(
+    ("brought", "severity"),
+    [
+        ("", Severity.INFO),
+        ('<link name="$(arg side)/base"/>', Severity.ERROR),
+        ('<xacro:include filename="base.xacro"/>', Severity.ERROR),
+        ('<xacro:base name="$(arg side)/base"/>', Severity.ERROR),
+    ],
+)
+def test_a_file_that_hangs_on_the_link_of_another_needs_no_argument(
+    tmp_path: Path, brought: str, severity: Severity
+) -> None:
+    tip = '<link name="tip"/><joint name="j" type="fixed"><parent link="$(arg side)/base"/><child link="tip"/></joint>'
+    macro = '<xacro:macro name="base" params="name"><link name="${name}"/></xacro:macro>'
+    files = {"tip.urdf.xacro": f"{HEAD}{macro}{tip}{brought}</robot>", "base.xacro": HEAD + "</robot>"}
+    finding = only(check(write(tmp_path, files) / "tip.urdf.xacro", codes={"XAC010"}))
+    assert (finding.severity, finding.blocks_check) == (severity, True)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("nothing if only a robot") == (severity is Severity.INFO)
 
 
 def test_a_default_that_reads_its_own_argument_gives_it_no_value(tmp_path: Path) -> None:

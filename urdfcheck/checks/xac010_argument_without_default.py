@@ -12,6 +12,7 @@ from urdfcheck.core.text import SLIP_LIKENESS, find_only_near_name, format_argum
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import format_path
 from urdfcheck.source.uses_elsewhere import is_certainly_left_aside, is_named_nowhere
+from urdfcheck.source.xacro.file_contents import hangs_on_another
 from urdfcheck.source.xacro.usage import collect_macros, find_unprefixed_tags, iter_elements_by_tag
 
 _READ = re.compile(r"\$\(arg\s+([^\s()]+)\s*\)")
@@ -50,8 +51,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             repair = f"write a default that does not read it, or {give}"
         if passing is not None:
             repair += f"; {format_path(passing)} passes one, known only at launch"
+        is_part = handed is not None or hangs_on_another(source.main_tree)
         if handed is not None:
             repair = f"{describe_handing(*handed)}; else {repair}"
+        elif is_part:
+            repair = (
+                f"nothing if only a robot that has the links and gives the argument includes the file; else {repair}"
+            )
         finding = rule.finding(
             "circular" if is_circular else "too-late" if declared else "missing",
             at=at,
@@ -68,11 +74,12 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         )
         # Where it, or what includes it, is started the model has a value: only here nothing is known of it. What nothing starts
         # needs none, nor does a piece of a robot, which the file that includes it gives one.
-        is_error = passing is None and handed is None and not _is_nameless(source)
+        is_error = passing is None and not is_part and not _is_nameless(source)
         is_error = is_error and not (is_named_nowhere(source) and is_certainly_left_aside(source))
         # A template: no package that must know it shows a start of it without the values, and so no start that fails.
         is_error = is_error and (source.package is None or is_named_by_launch(source.path, source.finder))
-        yield finding if is_error else replace(finding, severity=Severity.WARNING, blocks_check=True)
+        severity = Severity.INFO if is_part else Severity.WARNING
+        yield finding if is_error else replace(finding, severity=severity, blocks_check=True)
 
 
 def _check_early_defaults(source: Source, rule: Rule) -> Iterator[Finding]:

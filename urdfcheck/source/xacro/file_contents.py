@@ -57,6 +57,15 @@ def may_make_links(element: Element) -> bool:
     return (element.tag.lower() == "link" and _is_top(element)) or is_call or is_include(element)
 
 
+def hangs_on_another(root: Element | None) -> bool:
+    """Whether a joint of a file names a link, as typed, that the file lacks, and no include or macro brings it."""
+    elements = [] if root is None else list(root.walk())
+    links = {element.get("name") for element in elements if element.tag == "link"}
+    ends = {element.get("link") for element in elements if element.tag in {"parent", "child"}}
+    is_spelled_out = all(element.tag == "link" for element in elements if may_make_links(element))
+    return is_spelled_out and bool(ends - links)
+
+
 def _is_top(element: Element) -> bool:
     return element.parent is None or element.parent.tag == "robot" or element.parent.tag.startswith("xacro:")
 
