@@ -446,6 +446,21 @@ def test_an_overlap_that_the_srdf_disables_is_known_to_its_author(tmp_path: Path
         assert finding.consequences["moveit"].startswith("ignores") == (severity is Severity.INFO)
 
 
+def test_arms_that_meet_in_some_poses_only_stay_checked(tmp_path: Path) -> None:
+    arms = []
+    for side, y in (("left", 0.3), ("right", -0.3)):
+        bar = f'<origin xyz="0.5 {-y * 2 / 3} 0"/><geometry><box size="0.4 0.3 0.1"/></geometry>'
+        arms += [
+            f'<link name="{side}"><collision>{bar}</collision></link>',
+            f'<joint name="{side}" type="revolute"><origin xyz="0 {y} 0"/><parent link="base"/><child link="{side}"/>',
+            '<axis xyz="0 0 1"/><limit lower="-3" upper="3" effort="1" velocity="1"/></joint>',
+        ]
+    urdf = f'<robot name="arm"><link name="base"/>{"".join(arms)}</robot>'
+    (finding,) = find_with_srdf(tmp_path, "COL001", NEIGHBOURS, urdf)
+    assert finding.fix is not None
+    assert finding.fix.title.startswith("start in another pose if this one is not needed (the links meet in ")
+
+
 def test_the_srdf_of_the_xacro_knows_the_overlaps_of_the_urdf_made_from_it(tmp_path: Path) -> None:
     source = tmp_path / "workspace" / "src"
     config, description = source / "arm_moveit_config", source / "arm_description"

@@ -43,6 +43,10 @@ _DISABLED = "ignores the pair: the SRDF disables it"
 _INTENDED = "disable the pair in other programs too if the overlap is intended (the SRDF does for MoveIt)"
 _TO_DISABLE = "add <disable_collisions> for the pair to the SRDF if the overlap is intended"
 _TO_EXCLUDE = "exclude the pair in every collision checker if the overlap is intended"
+# Where each link has joints of its own, and the two meet in some poses only, what excludes the pair hides those.
+_TO_START = (
+    "start in another pose if this one is not needed (the links meet in {count} of {samples}: keep the pair checked)"
+)
 # Of the configurations.
 _RARELY, _USUALLY = 0.05, 0.5
 # An arm has at least so many joints that move (chosen): a finger has fewer, as a rule.
@@ -180,9 +184,7 @@ def _meets_at_stop(model: Model, pair: CollisionPair) -> bool:
 def _are_crossed_arms(collisions: SelfCollisions, pair: CollisionPair) -> bool:
     """Whether two links are parts of two arms, each of several joints, which hardly ever meet but at rest, and are not drawn
     apart there: each shape is where its part is. Two legs must be apart at rest."""
-    model = collisions.setup.model
-    one, other = (model.tree.find_path_to(name) for name in pair.links)
-    ways = [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
+    ways = _list_own_joints(collisions.setup.model, pair)
     if pair.hit_share > _RARELY or min(map(len, ways)) < _ARM_JOINTS:
         return False
     # Few pairs get here.
@@ -192,6 +194,21 @@ def _are_crossed_arms(collisions: SelfCollisions, pair: CollisionPair) -> bool:
     if any(LEG.search(f"{joint.name} {joint.child}") for way in ways for joint in way):
         return False
     return not is_drawn_apart(collisions, pair, at_rest=True)
+
+
+def _list_own_joints(model: Model, pair: CollisionPair) -> list[list[Joint]]:
+    """Return for each link of a pair the joints that move it and not the other."""
+    one, other = (model.tree.find_path_to(name) for name in pair.links)
+    return [[j for j in path if j.is_movable and j not in rest] for path, rest in ((one, other), (other, one))]
+
+
+def _describe_exclusion(collisions: SelfCollisions, pairs: Sequence[CollisionPair]) -> str:
+    """Say whether collision checkers may leave pairs out, before the repairs of the model."""
+    model, samples = collisions.setup.model, collisions.sample_count
+    for pair in pairs:
+        if pair.hit_share < _USUALLY and all(_list_own_joints(model, pair)):
+            return _TO_START.format(count=round(pair.hit_share * samples), samples=samples)
+    return _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE
 
 
 def _list_joints_between(model: Model, pair: CollisionPair) -> list[Joint]:
@@ -395,7 +412,7 @@ def _build_overlap_finding(
         or all(_is_at_unused_pose(model, p) or _are_crossed_arms(collisions, p) for p, _ in group)
         else None,
         consequences={"moveit": _DISABLED} if is_disabled else None,
-        srdf=_INTENDED if is_disabled else _TO_DISABLE if semantic_descriptions(model) else _TO_EXCLUDE,
+        srdf=_INTENDED if is_disabled else _describe_exclusion(collisions, [p for p, _ in group]),
         pose=_describe_pose(model, [p for p, _ in group]),
         link=pair.links[place],
         other=pair.links[1 - place],
