@@ -71,6 +71,11 @@ def load(path: str) -> str:
     return f'<param name="robot_description" textfile="{path}"/>'
 
 
+# The package is that of the robot which is named.
+NAMED_BY_ROBOT = '<arg name="robot" default="{}"/><arg name="dollar" value="$"/>'
+NAMED_BY_ROBOT += '<arg name="place" value="(find $(arg robot)_models)"/>'
+
+
 @pytest.mark.parametrize(
     ("body", "message"),
     [
@@ -97,6 +102,8 @@ def load(path: str) -> str:
         ('<arg name="m" default=""/>' + XACRO.format("$(find car)/urdf/$(arg m).urdf.xacro"), "unknown"),
         ('<arg name="m" default=""/>' + load("$(find car)/urdf/$(arg m)cra.urdf"), "file"),
         (load("$(find car)/urdf/"), "file"),
+        (NAMED_BY_ROBOT.format("") + load("$(arg dollar)$(arg place)/car.urdf"), "unknown"),
+        (NAMED_BY_ROBOT.format("bus") + load("$(arg dollar)$(arg place)/car.urdf"), "package"),
     ],
 )
 def test_why_a_description_cannot_be_loaded(tmp_path: Path, body: str, message: str | None) -> None:

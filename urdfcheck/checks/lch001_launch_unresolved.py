@@ -344,7 +344,10 @@ def _check_description(
     launch = context.launch
     build_unknown = partial(_build_unknown_finding, rule, at, is_explicit=context.is_explicit)
     path = _find_launch_file(description, launch)
-    if obstacle.kind == "package":
+    empty = _find_empty_argument(launch, description, obstacle.name) if obstacle.kind == "package" else ""
+    if empty:  # it is to be given, and is a part of the package's name
+        yield build_unknown(f"argument {empty!r} is empty")
+    elif obstacle.kind == "package":
         yield _check_package(launch, rule, description, obstacle.name, at, build_unknown)
     elif obstacle.kind == "argument":
         yield from _check_argument(launch, rule, description, obstacle.name, at, build_unknown)
@@ -376,6 +379,15 @@ def _check_description(
     else:
         typed = textwrap.shorten(description.file, _SHOWN, placeholder=" …")
         yield build_unknown(f"computed by `{typed}`")
+
+
+def _find_empty_argument(launch: Launch, description: DescriptionSource, package: str) -> str:
+    """Return the argument with an empty default without which the name of a package lacks its begin or its end; empty if it is
+    whole."""
+    if package.strip("_-") == package:
+        return ""
+    found = _trace_arguments(launch, description.at, description.file).items()
+    return next((name for (_, name), values in found if any(not value.value for value in values)), "")
 
 
 def _check_package(
