@@ -1503,6 +1503,7 @@ def test_the_repair_says_where_a_package_is_that_is_not_found(
         ("the launch files start joy", True),
         ("joy is not declared, because it is built from source", False),
         ("joy_node is not declared, because it is built from source", True),
+        ("<exec_depend>joy</exec_depend>", False),
     ],
 )
 def test_a_comment_of_the_manifest_says_that_a_package_is_left_out(tmp_path: Path, comment: str, told: bool) -> None:
@@ -1510,6 +1511,16 @@ def test_a_comment_of_the_manifest_says_that_a_package_is_left_out(tmp_path: Pat
     launch = f'<launch>{nodes}<include file="$(find rviz)/a.launch"/></launch>'
     write(tmp_path, {"package.xml": manifest(f"<!-- {comment} -->"), "urdf/r.urdf": URDF, "launch/a.launch": launch})
     assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == [["joy", "rviz"] if told else ["rviz"]]
+
+
+@pytest.mark.parametrize(("line", "told"), [("ros_gz", False), ("ros_gz_interfaces", True)])
+def test_a_collection_in_a_comment_of_the_manifest_is_left_out_with_its_parts(
+    tmp_path: Path, line: str, told: bool
+) -> None:
+    dependencies = f"<!-- <exec_depend>{line}</exec_depend> -->{AMENT}"
+    launch = "p = join(get_package_share_directory('ros_gz_sim'), 'launch', 'gz_sim.launch.py')"
+    write(tmp_path, {"package.xml": manifest(dependencies), "urdf/r.urdf": URDF, "launch/a.launch.py": launch})
+    assert [f.data["names"] for f in findings(tmp_path, "PKG007")] == ([["ros_gz_sim"]] if told else [])
 
 
 @pytest.mark.parametrize(

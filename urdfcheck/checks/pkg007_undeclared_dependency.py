@@ -203,7 +203,12 @@ def _list_commented_dependencies(manifest: str) -> set[str]:
 
 
 def _is_explained(name: str, manifest: str) -> bool:
-    """Whether a comment of a package.xml names a package and says that it is left out: rosdep may not know it."""
+    """Whether a comment of a package.xml names a package and says that it is left out: rosdep may not know it.
+
+    The parts of a collection whose line is in a comment are left out with it.
+    """
+    if has_part(_list_commented_dependencies(manifest) & COLLECTIONS.keys(), name):
+        return True
     named = compile_names((name,))
     return any(named.search(comment) and _LEFT_OUT.search(comment) for comment in COMMENT.findall(manifest))
 
