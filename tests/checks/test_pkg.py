@@ -1857,6 +1857,25 @@ def test_missing_folder_is_named_where_others_are(tmp_path: Path, cmake: str, af
     assert not findings(tmp_path, "PKG008")
 
 
+@pytest.mark.parametrize("is_there", [True, False])
+def test_a_folder_that_is_not_installed_may_lack_the_file_too(tmp_path: Path, is_there: bool) -> None:
+    launch = "p = join(get_package_share_directory('p'), 'maps', 'hall.yaml')"
+    files = {
+        "package.xml": manifest(AMENT),
+        "launch/r.launch.py": launch,
+        "maps/hall.yaml" if is_there else "maps/a": "",
+    }
+    cmake = "project(p)\ninstall(DIRECTORY launch DESTINATION share/p)\nament_package()\n"
+    write(tmp_path, {**files, "CMakeLists.txt": cmake})
+    (finding,) = findings(tmp_path, "PKG008")
+    assert finding.fix is not None
+    assert ("the file is missing" in finding.headline) != is_there
+    assert (
+        finding.fix.title.endswith("; add maps/hall.yaml too or correct the path, unless a program writes it")
+        != is_there
+    )
+
+
 def test_a_folder_of_programs_may_be_meant_where_it_is_installed(tmp_path: Path) -> None:
     launch = "p = join(get_package_share_directory('p'), 'scripts', 'run.py')"
     files = {"package.xml": manifest(AMENT), "launch/r.launch.py": launch, "scripts/run.py": ""}

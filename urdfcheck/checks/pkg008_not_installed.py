@@ -68,6 +68,10 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         if program
         else _describe_python_repair(package, folders, install.names),
         lookup="files are looked up by package name" if is_read else "a path leads that no file here has",
+        lack="" if is_read else ", and the file is missing",
+        correction=""
+        if is_read
+        else f"; add {first.subpath.lstrip('/')} too or correct the path, unless a program writes it",
         example=first.subpath.lstrip("/"),
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
