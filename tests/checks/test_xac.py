@@ -2814,3 +2814,22 @@ def test_a_model_that_is_kept_aside_is_one_that_is_started_where_a_launch_file_n
     }
     (finding,) = find(tmp_path, files, "XAC001", name="urdf/raw/arm.urdf.xacro")
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(("named", "severity"), [("q", Severity.WARNING), ("p", Severity.ERROR)])
+def test_a_file_is_not_started_where_its_namesake_in_another_package_is(
+    tmp_path: Path, named: str, severity: Severity
+) -> None:
+    launch = 'Node(urdf=[FindPackageShare("{}"), "urdf", "{}"])'
+    files = {
+        ".git/HEAD": "",
+        "p/package.xml": "<package><name>p</name></package>",
+        "p/launch/car.launch.py": launch.format("p", "car.urdf") + launch.format(named, "arm.urdf.xacro"),
+        "p/urdf/car.urdf": '<robot name="car"><link name="a"/></robot>',
+        "p/urdf/arm.urdf.xacro": HEAD + '<link name="a"/><xacro:macro name="m" params="a"/><xacro:m/></robot>',
+        "q/package.xml": "<package><name>q</name></package>",
+        "q/urdf/arm.urdf.xacro": HEAD + '<link name="a"/></robot>',
+    }
+    root = write(tmp_path, files)
+    (finding,) = (f for f in check(root, codes={"XAC001"}).findings if f.code == "XAC001")
+    assert finding.severity is severity

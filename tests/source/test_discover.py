@@ -1160,6 +1160,10 @@ def test_a_file_that_was_seen_before_is_not_parsed_again(workspace: Path, monkey
         ("left_hand.xacro", False),
         ("<!-- $(find arm)/urdf/hand.xacro -->", False),
         ("$(find other)/urdf/hand.xacro hand.xacro", True),
+        ('[FindPackageShare("other"), "urdf", "hand.xacro"]', False),
+        ('[FindPackageShare("arm"), "urdf/old/", "hand.xacro"]', False),
+        ('join(get_package_share_directory("arm"), "urdf", f"hand.xacro")', True),
+        ('[FindPackageShare("other")], "hand.xacro"', True),
     ],
 )
 def test_a_text_names_a_file_of_its_package_outside_comments(text: str, named: bool) -> None:

@@ -44,6 +44,11 @@ _FOLDERS = (
     r"""(?:\$\(find(?:-pkg-share)?\s+([\w.$()-]+?)\s*\)/|package://([\w.-]+)/|model://([\w.-]+)/|(?<![\w./-])/*)"""
     r"((?:[\w.-]+/)*)"
 )
+# How Python names a file by its package and the parts of its path.
+_JOINED = re.compile(
+    r"""(?:FindPackageShare|get_package_share_directory)\(\s*["']([\w-]+)["']\s*\)((?:\s*,\s*f?["'][\w./-]+["'])+)"""
+)
+_PART = re.compile(r"""["']/?([\w./-]+?)/?["']""")
 # The root of a file of settings, and the elements that a launch file of ROS, or a model that is called one, has.
 _SETTINGS = re.compile(r"(?:\s|<!--(?:[^-]|-(?!->))*-->)*<launchConfiguration[\s>/]")
 _OF_ROS = re.compile(r"<(?:launch|node|include|param|rosparam|arg|group|robot)[\s>/]")
@@ -237,12 +242,13 @@ def names_file(text: str, inside: str, package: str) -> bool:
     """Whether a text names a file of a package, given by its path in it, outside comments in XML.
 
     ``$(find other)/urdf/camera.xacro`` names a file of another package, and ``$(find own)/urdf/camera.xacro`` that of this folder
-    alone.
+    alone. So do ``FindPackageShare("other"), "urdf", "camera.xacro"`` and the like in Python.
     """
     name = inside.rpartition("/")[2]
     if name not in text:
         return False
-    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", COMMENT.sub("", text)):
+    joined = _JOINED.sub(lambda m: f" $(find {m[1]})/{'/'.join(_PART.findall(m[2]))} ", COMMENT.sub("", text))
+    for match in re.finditer(rf"{_FOLDERS}(?<![\w.-]){re.escape(name)}(?![\w.-])", joined):
         owner = match[1] or match[2] or match[3]
         if not owner or not package or "$" in owner:
             return True

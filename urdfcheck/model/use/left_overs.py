@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source, read_xacro_source
+from urdfcheck.source.model_file import names_file
 from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.package.similar_files import find_files_elsewhere
@@ -130,11 +132,16 @@ def _is_named_outside_packages(source: Source) -> bool:
     """Whether a program of the project, or a README in a folder around the model, names the model's file."""
     own, path = compile_names((source.path.name,)), source.path.absolute()
     project = find_project_folder(path)
+    # A program that names the file of this name in another package does not name this one.
+    inside, package = path.name, ""
+    if source.package is not None:
+        inside, package = Path(os.path.relpath(path, source.package.path)).as_posix(), source.package.name
     around = [folder for folder in path.parents if folder == project or project in folder.parents]
     readmes = itertools.chain.from_iterable(map(_list_readmes, around))
     texts = (read_text_or_nothing(path, _LARGEST) for path in readmes if source.finder.can_open(path))
     scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, *_PROGRAMS, *_LISTS)))
-    return any(own.search(text) for text in itertools.chain(texts, scripts))
+    found = (text for text in itertools.chain(texts, scripts) if own.search(text))
+    return any(names_file(text, inside, package) for text in found)
 
 
 def _list_readmes(folder: Path) -> list[Path]:
