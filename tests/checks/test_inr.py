@@ -908,6 +908,8 @@ def disk(radius: float, length: float, density: float) -> str:
 def test_two_different_disks_without_a_material(tmp_path: Path, density: float, default: bool) -> None:
     text = make_arm(disk(0.03, 0.01, density), base=disk(0.1, 0.02, density))
     assert bool(find(tmp_path, text, "INR016")) == default
+    exported = "<!-- created by SolidWorks to URDF Exporter -->" + text
+    assert bool(find(tmp_path, exported, "INR016")) == (default and density != 7850)
 
 
 def test_the_mass_that_is_a_placeholder_is_that_of_the_parts_without_a_material(tmp_path: Path) -> None:

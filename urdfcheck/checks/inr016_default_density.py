@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 
 from urdfcheck.core import Finding, Rule, Severity
@@ -13,6 +14,8 @@ from urdfcheck.model import DeclaredMass, Model
 from urdfcheck.model.shapes.solids import measure_link_solid
 from urdfcheck.model.use.display import is_loaded_for_frames
 
+# A program that gives parts without a material another density, as the exporter's header names it.
+_SOLIDWORKS = re.compile(r"SolidWorks", re.IGNORECASE)
 # kg/m³ of a part without a material -> the cause that names the programs.
 DEFAULTS = {1000.0: "unassigned", 7850.0: "steel"}
 
@@ -24,6 +27,8 @@ def check(
     measured = _measure_densities(model, heavy)
     yield from _check_tenfold(model, rule, measured, tolerance=mesh_tol, evidence=evidence)
     for default, cause in DEFAULTS.items():
+        if cause == "steel" and _is_of_solidworks(model):
+            continue
         densities: dict[str, float] = {}
         for declared in heavy:
             density = measured.get(declared.link.name)
@@ -51,6 +56,12 @@ def check(
             mass=sum(declared.mass for declared in near),
             links=[declared.link.name for declared in near],
         )
+
+
+def _is_of_solidworks(model: Model) -> bool:
+    """Whether a comment of the model's own file says that SolidWorks wrote it: there the author chose steel."""
+    file = model.source.files.get(model.source.name)
+    return file is not None and any(_SOLIDWORKS.search(comment.text) for comment in file.comments)
 
 
 def _measure_densities(model: Model, heavy: Sequence[DeclaredMass]) -> dict[str, float]:
