@@ -177,6 +177,19 @@ def test_a_formula_with_a_reason_was_chosen(tmp_path: Path, above: str, below: s
     assert (found["INR003"].message_id, found["INR003"].severity) == ("violated", Severity.ERROR)
 
 
+def test_a_wrong_formula_of_a_light_part_is_one_finding(tmp_path: Path) -> None:
+    moments = (("ixx", "y*y+z*z"), ("iyy", "x*x+z*z"), ("izz", "x*x+z*z"))
+    tensor = " ".join(f'{name}="${{m*({formula})/12}}"' for name, formula in moments)
+    text = f"""<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">
+<link name="base"><inertial><mass value="10"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+<xacro:macro name="box_inertial" params="m x y z"><inertial><mass value="${{m}}"/>
+<inertia {tensor} ixy="0" ixz="0" iyz="0"/></inertial></xacro:macro>
+<link name="camera"><xacro:box_inertial m="0.001" x="0.025" y="0.09" z="0.025"/></link>
+<joint name="j" type="fixed"><parent link="base"/><child link="camera"/></joint></robot>"""
+    findings = check_text(tmp_path, text, "r.urdf.xacro", codes={"INR003", "INR020"}).findings
+    assert [finding.code for finding in findings] == ["INR020"]
+
+
 CAD = ("-0.00015557711", "-0.0003643398", "-0.0067306301")
 NONE = ("0", "0", "0")
 
