@@ -135,9 +135,9 @@ def test_findings_beyond_the_bound_of_a_model_are_counted_and_the_worst_stays(
 def test_findings_and_scenes_beyond_the_bound_of_a_run_are_left_out_and_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    for name in "abc":
+    for count, name in enumerate("abc", start=20):  # what copies show is one finding
         (tmp_path / name).mkdir()
-        write_noisy(tmp_path / name, 20)
+        write_noisy(tmp_path / name, count)
     monkeypatch.setattr(report_sizes, "MAX_RUN_FINDINGS", 4_000)
     outcome = check(tmp_path, tier="source", scene=True)
     assert len(outcome.scenes) == 3

@@ -75,6 +75,8 @@ def audit_dataset(
         raise UrdfcheckError(f"{path} {reason}")
     if not units:
         return AuditOutcome(summary=unit_lines.AuditSummary(), checked=0, unchanged=0)
+    # Of a dataset each model counts, and rests on its own files.
+    units = [replace(unit, is_of_given_whole=False) for unit in units]
     keys = [_compute_unit_key(unit) for unit in units]
     with (
         audit_session(request, units, plan) as settings,

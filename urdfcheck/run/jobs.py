@@ -161,6 +161,9 @@ class Unit:
     unknown_arguments: frozenset[str] = frozenset()
     varied_arguments: tuple[str, ...] = ()
     """For these two see :class:`urdfcheck.source.plan.ModelTarget`."""
+    is_of_given_whole: bool = False
+    """Whether a folder was given that holds the model's whole package, or its whole repository if it is in no package: only then
+    other models in use are checked with it."""
     is_reduced: bool = False
     """Whether the unit was made to find the arguments that a finding takes."""
 

@@ -441,6 +441,13 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
     def name_file(path: Path) -> str:
         return make_file_id(path, find_root(path))
 
+    given = [path.absolute() for path in request.paths if path.is_dir()]
+
+    @functools.cache
+    def is_of_given_whole(folder: Path) -> bool:
+        top = _find_whole(folder)
+        return top is not None and any(path == top or path in top.parents for path in given)
+
     units = [
         Unit(
             kind="model",
@@ -456,6 +463,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
             is_xacro=target.xacro,
             unknown_arguments=target.unknown,
             varied_arguments=target.varied,
+            is_of_given_whole=not target.explicit and is_of_given_whole(target.path.absolute().parent),
         )
         for target in (*plan.models, *plan.candidates)
     ]
@@ -503,6 +511,15 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
         else unit
         for unit in configured
     ]
+
+
+def _find_whole(folder: Path) -> Path | None:
+    """Return the package around a folder, or else its repository."""
+    for mark in ("package.xml", ".git"):
+        for around in (folder, *folder.parents):
+            if (around / mark).exists():
+                return around
+    return None
 
 
 def _set_aside(policy: Policy, *, is_unused: bool) -> Policy:

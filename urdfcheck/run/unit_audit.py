@@ -404,10 +404,9 @@ class _UnitAudit:
         )
 
     def is_left_over(self) -> bool:
-        """Whether the model has errors or warnings and is not used, as far as the project shows. One that is given by its name
-        is used."""
+        """Whether the model has errors or warnings and is not used, as far as the project shows."""
         source, unit = self.source, self.unit
-        if source is None or unit.is_explicit or self.policy.pedantic:
+        if source is None or not unit.is_of_given_whole or self.policy.pedantic:
             return False
         # A test may load all files of its folder; what xacro wrote there is what someone looked at.
         if self.policy.is_for_tests and not source.is_output_of_xacro:

@@ -11,6 +11,7 @@ from pathlib import Path
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source, read_xacro_source
 from urdfcheck.source.model_file import names_file
+from urdfcheck.source.package.file_kinds import is_launch
 from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.package.similar_files import find_files_elsewhere
@@ -37,7 +38,7 @@ _PROGRAMS = (
     *(".ipynb", ".m", ".c", ".cc", ".cpp", ".cxx", ".h", ".hpp", ".cs", ".rs"),
     *(".js", ".jsx", ".ts", ".tsx", ".vue", ".html"),
 )
-_NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".xml", ".xacro", ".urdf", ".sdf", ".world")
+_NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".sdf", ".world")
 # Also what lists models without using them: configurations and baselines of checkers.
 _LISTS = (".json", ".toml")
 _MOST_FILES = 1_000
@@ -51,13 +52,15 @@ def is_left_over(source: Source) -> bool:
     """Whether no file of the project names the model, and one names another model of its package (of the project without one),
     xacro made it of a file that is here, or the build of its package installs other files and not this one.
 
-    False for a piece of a robot, and where one of the files that could name the model computes such a name, or has its name
-    without the ending in quotes. Of what is outside the packages that name the model's, only programs and READMEs are searched.
+    False for a piece of a robot, for one that is called as its package is, and where one of the files that could name the model
+    computes such a name, or has its name without the ending in quotes. Outside the packages that name the model's, only programs
+    and READMEs are searched.
     """
-    if _may_be_piece(source) or is_kept_as_source(source):
+    if _may_be_piece(source) or is_kept_as_source(source) or _has_name_of_package(source):
         return False
     texts = _read_project_texts(source) if source.package is None else _read_package_texts(source)
-    stem = re.compile(rf"[\"']{re.escape(get_stem(source))}[\"']")
+    name = re.escape(get_stem(source))
+    stem = re.compile(rf"[\"']{name}[\"']|\(find {name}\)|package://{name}/")
     if not texts or any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts):
         return False
     top = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
@@ -76,12 +79,12 @@ def _read_package_texts(source: Source) -> list[str]:
 
 
 def _read_project_texts(source: Source) -> list[str]:
-    """Read the texts that could name a model outside packages; none where one names it or computes such a name, and where there
-    are too many."""
-    own, path = compile_names((source.path.name,)), source.path.absolute()
+    """Read the texts that could start a model outside packages; none where one names it or computes such a name, where there are
+    too many, and where another model includes it."""
+    own = compile_names((source.path.name,))
     texts = []
-    for other, text in itertools.islice(iter_project_files(source, _NAMING), _MOST_FILES):
-        plain = "" if other.absolute() == path else drop_comments(text)
+    for _, text in () if source.is_part else itertools.islice(iter_project_files(source, _NAMING), _MOST_FILES):
+        plain = drop_comments(text)
         if own.search(plain) or COMPUTED_FILE.search(plain) or _ALL_MODELS.search(plain):
             return []
         texts.append(plain)
@@ -95,14 +98,22 @@ def _is_made_of_file_here(source: Source) -> bool:
 
 
 def _is_not_installed(source: Source) -> bool:
-    """Whether the build of a ROS 2 package installs files, and certainly not this one."""
+    """Whether the build of a ROS 2 package that starts something installs files, and certainly not this one."""
     package = source.package
     rules = None if package is None else read_install_rules(package)
     installed = None if rules is None else rules.installed
     if package is None or installed is None or not installed.entries:
         return False
+    if not any(is_launch(path) for path, _ in iter_user_texts(source)):  # the package may not be finished
+        return False
     inside = source.path.absolute().relative_to(package.path.absolute())
     return installed.function_words.isdisjoint(inside.parts) and not installed.may_install(inside.as_posix())
+
+
+def _has_name_of_package(source: Source) -> bool:
+    """Whether the model is called as its package is, which says that it is the robot."""
+    name = "" if source.package is None else source.package.name
+    return get_stem(source) in {name, name.removesuffix("_description"), name.removesuffix("_urdf")}
 
 
 def _may_be_piece(source: Source) -> bool:
