@@ -441,7 +441,7 @@ def _build_units(plan: Plan, request: Request) -> list[Unit]:
     def name_file(path: Path) -> str:
         return make_file_id(path, find_root(path))
 
-    given = [path.absolute() for path in request.paths if path.is_dir()]
+    given = [path.absolute() for path in request.paths if os.path.isdir(path)]
 
     @functools.cache
     def is_of_given_whole(folder: Path) -> bool:
@@ -517,7 +517,7 @@ def _find_whole(folder: Path) -> Path | None:
     """Return the package around a folder, or else its repository."""
     for mark in ("package.xml", ".git"):
         for around in (folder, *folder.parents):
-            if (around / mark).exists():
+            if os.path.exists(around / mark):  # pathlib raises where a folder may not be looked into
                 return around
     return None
 
