@@ -378,7 +378,7 @@ def test_of_a_model_that_nothing_names_beside_one_that_is_started_errors_are_on_
     run = json.loads(command(".", *common, cwd=tmp_path).stdout)
     assert ("INR002" in {f["code"] for f in run["findings"]}) != is_left_over
     reasons = [skip["reason"] for skip in run["skipped"] if skip["code"] == SkippedCheck.FINDINGS]
-    assert [reason.partition(",")[0] for reason in reasons] == ["left over"] * is_left_over
+    assert [reason.partition(":")[0] for reason in reasons] == ["left over"] * is_left_over
     for options in (["-v"], ["--pedantic"]):
         assert "INR002" in command(".", *common, *options, cwd=tmp_path).stdout
     assert '"INR002"' in command("p/urdf", *common, cwd=tmp_path).stdout, "what uses the other model was not given"

@@ -83,7 +83,7 @@ _KEPT_ASIDE = (
     "of old copies and files in folders such as `old` or `third_party` only what stops the check is reported; name the file to "
     "see all"
 )
-_LEFT_OVER = "left over, named by no file of the project; give the path to urdfcheck to see all"
+_LEFT_OVER = "left over: no file of the project names it; give the path to urdfcheck to see all"
 
 
 def finalize_unit_findings(
