@@ -56,7 +56,7 @@ def is_left_over(source: Source) -> bool:
     computes such a name, or has its name without the ending in quotes. Outside the packages that name the model's, only programs
     and READMEs are searched.
     """
-    if _may_be_piece(source) or is_kept_as_source(source) or _has_name_of_package(source):
+    if _may_be_piece(source) or _has_name_of_package(source):
         return False
     texts = _read_project_texts(source) if source.package is None else _read_package_texts(source)
     name = re.escape(get_stem(source))
@@ -67,7 +67,8 @@ def is_left_over(source: Source) -> bool:
     others = _list_other_models(top, source.path)
     names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
     is_unused = names_another or _is_made_of_file_here(source) or _is_not_installed(source)
-    return is_unused and not _is_named_outside_packages(source)
+    # Last what reads most files.
+    return is_unused and not is_kept_as_source(source) and not _is_named_outside_packages(source)
 
 
 def _read_package_texts(source: Source) -> list[str]:
