@@ -57,6 +57,23 @@ def test_no_findings_is_never_said_where_something_was_not_checked() -> None:
         assert "✔" not in text.render(run)
 
 
+def test_a_model_whose_errors_are_set_aside_has_no_tick() -> None:
+    clean = replace(UNUSED_MACROS, unused_macro_files=())
+    skipped = (SkippedCheck(SkippedCheck.FINDINGS, "other.urdf", "no file names it", is_partial=True),)
+    two = replace(clean, models=(*clean.models, info(id="other.urdf", path="other.urdf")))
+    aside = replace(two, skipped=skipped)
+    assert last_line(two).startswith("✔ no errors, no warnings · 2 models")
+    assert last_line(aside).startswith("✔ no errors, no warnings · 2 models, 1 set aside")
+    badge, tick = '<span class="badge unchecked">set aside</span>', '<span class="badge ok">'
+    assert tick in render(two, "html")
+    page = render(aside, "html")
+    assert (page.count(tick), page.count(badge)) == (0, 1), "one part is drawn: its row has links to its sections"
+    assert "Errors and warnings are not listed: no file names it." in page
+    index = dict(iter_report_pages(aside))["index.html"]
+    assert "checked, set aside" in index
+    assert "set aside" not in dict(iter_report_pages(two))["index.html"]
+
+
 @pytest.mark.parametrize("format_name", ["concise", "agent", "text", "markdown", "sarif", "junit", "json"])
 def test_a_model_that_only_the_launch_knows_is_named_with_the_reason(format_name: str) -> None:
     skip = SkippedCheck(SkippedCheck.LAUNCHED_MODEL, "a.launch", "known only at launch", is_partial=True)

@@ -282,6 +282,8 @@ class SkippedCheck:
     """What takes that place where only the errors of a model are reported."""
     FINDINGS: ClassVar[str] = "the list of errors and warnings"
     """What takes that place where nothing is reported of a model but why it cannot be checked."""
+    PROBLEMS: ClassVar[frozenset[str]] = frozenset({WARNINGS, FINDINGS})
+    """What takes that place where problems of a model are set aside: without findings it is not clean."""
     DEFAULTS: ClassVar[str] = "the list of what defaults cause"
     """What takes that place where the findings about defaults of arguments are notes."""
     NO_RULES: ClassVar[frozenset[str]] = frozenset({"ALL", LAUNCHED_MODEL, WARNINGS, FINDINGS, DEFAULTS})

@@ -180,6 +180,12 @@ class Run:
         return tuple(info for info in self.models if info.status != "checked")
 
     @property
+    def set_aside(self) -> Mapping[str, str]:
+        """Why errors or warnings of a model are not listed, by the model's id."""
+        ids = {info.id for info in self.models}
+        return {s.model: s.reason for s in self.skipped if s.code in SkippedCheck.PROBLEMS and s.model in ids}
+
+    @property
     def active_findings(self) -> tuple[Finding, ...]:
         """The findings that are not suppressed."""
         return tuple(f for f in self.findings if f.suppressed is None)

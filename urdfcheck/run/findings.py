@@ -156,10 +156,12 @@ def finalize_unit_findings(
         skips.append(
             SkippedCheck(SkippedCheck.DEFAULTS, unit.id, _describe_defaults(replaced, variants), is_partial=True)
         )
-    if policy.is_kept_aside and unrequested:
+    problems = [finding for finding in remaining if finding.severity > Severity.INFO]
+    hides_problems = bool(_split_unrequested(problems, rules, policy)[1])
+    if policy.is_kept_aside and hides_problems:
         reason = _LEFT_OVER if policy.is_left_over else _KEPT_ASIDE
         skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, reason, is_partial=True))
-    elif policy.is_for_tests and unrequested:
+    elif policy.is_for_tests and hides_problems:
         skips.append(SkippedCheck(SkippedCheck.WARNINGS, unit.id, _FOR_TESTS, is_partial=True))
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)
     skips += explain_left_out(

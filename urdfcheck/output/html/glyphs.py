@@ -32,14 +32,17 @@ def render_glyph(kind: Severity | str) -> str:
     )
 
 
-def render_badges(counts: Mapping[Severity, int], *, is_checked: bool = True) -> str:
+def render_badges(counts: Mapping[Severity, int], *, is_checked: bool = True, is_set_aside: bool = False) -> str:
     """Render a count for each severity that occurs, with its glyph and, for screen readers, its word.
 
-    What was not checked has a sign of its own in front.
+    What was not checked has a sign of its own in front, and so has a model whose errors and warnings are not listed
+    (``is_set_aside``).
     """
     badges = [_render_badge(severity, counts[severity]) for severity in SEVERITY_ORDER if counts.get(severity)]
     if not is_checked:
         badges.insert(0, _render_sign("unchecked", "not checked"))
+    elif is_set_aside:
+        badges.insert(0, ' <span class="badge unchecked">set aside</span>')
     return "".join(badges) or _render_sign("ok", "no findings")
 
 

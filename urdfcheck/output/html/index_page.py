@@ -78,7 +78,7 @@ def iter_audit_page(
 def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence[str]) -> str:
     """Render the index of the parts of a run, which have pages of these names."""
     run_row = parse_unit_line(build_unit_line("run", "", "", failures=run.failures))
-    rows = [*map(_build_unit_row, parts), run_row]
+    rows = [*(_build_unit_row(run, part) for part in parts), run_row]
     links = {_identify_part(part): name for part, name in zip(parts, file_names, strict=True)}
     drawn = [part for part in parts if part.scene is not None][:MOST_THUMBNAILS]
     pictures = {_identify_part(part): render_scene(part.scene, *THUMBNAIL_SIZE) for part in drawn if part.scene}
@@ -96,9 +96,11 @@ def render_run_index(run: Run, parts: Sequence[ReportPart], file_names: Sequence
     return "".join(page)
 
 
-def _build_unit_row(part: ReportPart) -> UnitRow:
+def _build_unit_row(run: Run, part: ReportPart) -> UnitRow:
+    name = _identify_part(part)
     findings = [card.finding for card in part.all_cards]
-    line = build_unit_line(_classify_part(part), _identify_part(part), part.path, info=part.info, findings=findings)
+    skipped = [skip for skip in run.skipped if skip.model == name]
+    line = build_unit_line(_classify_part(part), name, part.path, info=part.info, findings=findings, skipped=skipped)
     return parse_unit_line(line)
 
 
@@ -283,7 +285,7 @@ def _iter_models_table(
 
 
 def _render_model_row(row: UnitRow, links: Mapping[str, str], thumbnails: Mapping[str, bytes]) -> str:
-    worst = "unchecked" if row.is_unchecked else str(row.worst or "ok")
+    worst = "unchecked" if row.is_unchecked else str(row.worst or ("info" if row.is_set_aside else "ok"))
     codes = " ".join(
         f'<span class="{severity}">{escape_html(code)}{f" <small>×{format_whole_number(n)}</small>" if n > 1 else ""}</span>'
         for code, severity, n in row.codes[:MOST_CODES]
@@ -322,7 +324,7 @@ def _describe_row_status(row: UnitRow) -> str:
     words = escape_html(STATUS_WORDS.get(row.status, row.status))
     if row.kind != "model":
         words = row.kind if row.status == "checked" else f"{row.kind}, {words}"
-    return f"{words}{' (accepted)' if row.accepted else ''}"
+    return f"{words}{' (accepted)' if row.accepted else ''}{', set aside' if row.is_set_aside else ''}"
 
 
 def _render_thumbnail(picture: bytes) -> str:

@@ -35,6 +35,8 @@ class ReportPart:
     drop: DropTest | None = None
     shared: tuple[FindingCard, ...] = ()
     """Findings whose cards are in another part, with the elements that they are about here."""
+    set_aside: str = ""
+    """Why errors and warnings of the model are not listed; empty if they are."""
 
     @property
     def all_cards(self) -> tuple[FindingCard, ...]:
@@ -123,6 +125,7 @@ def collect_report_parts(run: Run) -> list[ReportPart]:
                 counts=counts,
                 drop=drops.get(name),
                 shared=tuple(shared.get(name, ())),
+                set_aside=run.set_aside.get(name, ""),
             )
         )
     return parts

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from urdfcheck.core import Run, Severity
 from urdfcheck.output.html.file_groups import select_active_cards
 from urdfcheck.output.html.glyphs import render_glyph
-from urdfcheck.output.html.html_text import list_acceptors
+from urdfcheck.output.html.html_text import escape_html, list_acceptors
 from urdfcheck.output.html.sections.finding_card import render_card
 from urdfcheck.output.shared.anchors import FindingCard
 
@@ -17,13 +17,22 @@ MOST_LISTED, FEWEST_FOLDED = 20, 3
 
 
 def render_problems(
-    run: Run, cards: Sequence[FindingCard], *, model_file: str, is_checked: bool, is_lost: bool = False
+    run: Run,
+    cards: Sequence[FindingCard],
+    *,
+    model_file: str,
+    is_checked: bool,
+    is_lost: bool = False,
+    set_aside: str = "",
 ) -> str:
     """Render errors and warnings: where to start, and what then. ``model_file``: the model's own file.
 
-    ``is_lost``: whether a program refuses the model or drops a part of it all the same.
+    ``is_lost``: whether a program refuses the model or drops a part of it all the same; ``set_aside``: why errors and warnings
+    are not listed, if they are not.
     """
     problems = select_active_cards(cards, Severity.ERROR, Severity.WARNING)
+    if set_aside and not problems and is_checked:
+        return f'<p class="clean info">{render_glyph("info")} Errors and warnings are not listed: {escape_html(set_aside)}.</p>'
     if not problems:
         sentence = "No errors and no warnings." if select_active_cards(cards, Severity.INFO) else "No findings."
         # Of a model that was not checked its own line says why.

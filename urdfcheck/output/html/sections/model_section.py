@@ -35,7 +35,12 @@ def render_model(run: Run, part: ReportPart, *, is_only_model: bool) -> str:
     image = _render_still_image(part) if is_only_model else ""
     head = f'<section class="model" id="{part.id}">{_render_model_head(run, part, is_only_model)}'
     problems = render_problems(
-        run, part.cards, model_file=part.path, is_checked=part.is_checked, is_lost=_is_lost(run, part)
+        run,
+        part.cards,
+        model_file=part.path,
+        is_checked=part.is_checked,
+        is_lost=_is_lost(run, part),
+        set_aside=part.set_aside,
     )
     if not any(c.finding.suppressed is None and c.finding.severity in PROBLEMS for c in part.cards) and part.shared:
         problems = ""  # not the sentence that there is none

@@ -66,7 +66,7 @@ def _render_navigation(parts: Sequence[ReportPart], has_rules: bool) -> str:
         else:
             rows.append(
                 f'<li><a href="#{part.id}"><span class="name">{escape_html(part.title)}{_render_file_label(part, titles)}</span>'
-                f'<span class="badges">{render_badges(part.counts, is_checked=part.is_checked)}</span></a></li>'
+                f'<span class="badges">{_render_badges(part)}</span></a></li>'
             )
     rest = [("rules" if has_rules else "skipped", "Rules and checks"), ("about", "About")]
     more = "".join(f'<li><a href="#{i}">{name}</a></li>' for i, name in rest)
@@ -74,6 +74,10 @@ def _render_navigation(parts: Sequence[ReportPart], has_rules: bool) -> str:
         listed = f'<details class="menu"><summary>{_count_parts(parts)}</summary><ul>{"".join(rows)}</ul></details>'
         return f'<nav aria-label="Contents">{listed}<ul>{more}</ul></nav>'
     return f'<nav aria-label="Contents"><ul>{"".join(rows)}{more}</ul></nav>'
+
+
+def _render_badges(part: ReportPart) -> str:
+    return render_badges(part.counts, is_checked=part.is_checked, is_set_aside=bool(part.set_aside))
 
 
 def _count_parts(parts: Sequence[ReportPart]) -> str:

@@ -74,6 +74,8 @@ class UnitRow:
     """What may check it."""
     accepted: bool = False
     """Whether it is accepted that the model was not checked."""
+    is_set_aside: bool = False
+    """Whether errors or warnings of the model are not listed."""
     unused_macro_files: tuple[str, ...] = ()
     """Files with macros that no checked model has read: of the run."""
 
@@ -121,6 +123,7 @@ def parse_unit_line(text: bytes) -> UnitRow:
         reason=not_checked.get("reason", ""),
         command=not_checked.get("command") or "",
         accepted=not_checked.get("accepted", False),
+        is_set_aside=any(skip["code"] in SkippedCheck.PROBLEMS for skip in record["skipped"]),
         unused_macro_files=tuple(record.get("unused_macro_files", ())),
     )
 

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import field, replace
 from enum import IntEnum
 
-from urdfcheck.core import Finding, Run, Severity, SkippedCheck, Verdict
+from urdfcheck.core import Finding, Run, Severity, Verdict
 from urdfcheck.core.records import dataclass
 from urdfcheck.output.shared.verdict.effects import drops_only_data
 from urdfcheck.output.shared.verdict.engine_answers import list_answers
@@ -122,7 +122,7 @@ def list_refusing_notes(run: Run) -> Run:
 
     Where there are targets, notes about other programs stay out, and so do those about models of which errors alone are listed.
     """
-    quiet = {skip.model for skip in run.skipped if skip.code in {SkippedCheck.WARNINGS, SkippedCheck.FINDINGS}}
+    quiet = run.set_aside
     listed = [
         note
         for note in run.unrequested

@@ -8,10 +8,11 @@ from urdfcheck.output.shared.wording import format_count
 
 
 def describe_checked_units(run: Run) -> str:
-    """Return ``2 models``; ``1 file`` if all were launch files and packages."""
+    """Return ``2 models``, ``2 models, 1 set aside``; ``1 file`` if all were launch files and packages."""
     if run.units and not run.models:
         return format_count(run.units, "file")
-    return format_count(len(run.models), "model")
+    aside = f", {len(run.set_aside)} set aside" if run.set_aside else ""
+    return format_count(len(run.models), "model") + aside
 
 
 def summarize_verdict(run: Run) -> tuple[str, str]:
