@@ -665,6 +665,19 @@ def test_what_only_assimp_reads_is_measured_as_assimp_reads_it(tmp_path: Path) -
     assert (facts.assimp, facts.flaw) == ("loads", "cannot be read as dae: line 13: duplicate attribute")
 
 
+def test_several_geometries_that_only_assimp_reads_are_not_measured(tmp_path: Path) -> None:
+    """The corners of the second that coal returns are those of the first."""
+    second = b'<instance_geometry url="#h"/></node>'
+    text = dae(*TETRAHEDRON)
+    begin, end = text.index(b"<geometry "), text.index(b"</geometry>") + len(b"</geometry>")
+    moved = text[begin:end].replace(b'id="', b'id="h').replace(b'="#', b'="#h').replace(b'id="hg"', b'id="h"')
+    text = text[:end] + moved + text[end:].replace(b"</node>", second)
+    assert measure_mesh(text, "dae").n_triangles == 8
+    with pytest.raises(MeshError, match="duplicate attribute") as caught:
+        measure_file(tmp_path, text.replace(b"<node>", b'<node id="n" id="n">'))
+    assert caught.value.assimp == "loads"
+
+
 def test_what_assimp_refuses_too_says_so_once_with_the_line(tmp_path: Path) -> None:
     path = tmp_path / "part.dae"
     path.write_bytes(dae(*TETRAHEDRON)[:-40])
