@@ -8,9 +8,10 @@ from __future__ import annotations
 import errno
 import fnmatch
 import glob
+import itertools
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 
@@ -33,7 +34,6 @@ from urdfcheck.source.package.package_folders import (
     read_package_texts,
 )
 from urdfcheck.source.project_folders import find_project_folder
-from urdfcheck.source.text.xml import COMMENT
 from urdfcheck.system.git import list_ignored
 
 # Limit on the file names that are compared with the patterns of includes: beyond it a file counts as not included, and is
@@ -42,6 +42,10 @@ MAX_COMPARED = 500_000
 _SKIPPED = BUILD_FOLDERS | {"node_modules", "__pycache__"}
 # Folders with the data of tests, by their names in lower case.
 _TEST_FOLDERS = TEST_FOLDERS | {"benchmark", "benchmarks", "fixtures", "test_data", "testdata"}
+# What the tests of a parser call a robot that it must refuse.
+_REFUSED = re.compile(r"(?:fail|invalid|malformed|broken|bad)(?![a-z])")
+# The name of a file and that of its folder before it: in a path, or as arguments that make one.
+_PLACED_NAME = re.compile(r"""([\w.-]+)["',\s/\\]+([\w.-]+\.[A-Za-z]\w*)""")
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 
@@ -228,7 +232,28 @@ class FolderIndex:
         """Whether a file is in a folder of tests, or is kept and not used, and no file outside such folders includes or names
         it."""
         is_such = self._is_in_tests(path) or self._is_kept_copy(path)
-        return self.is_in_unused_package(path) or (is_such and path.name not in self._names_outside_tests)
+        return self.is_in_unused_package(path) or (is_such and not self._is_named_outside_tests(path))
+
+    def _is_named_outside_tests(self, path: Path) -> bool:
+        """Whether a file outside folders of tests names a file, or one of its name: not if that is another in the same package,
+        and no file names this one with its folder."""
+        if path.name not in self._names_outside_tests:
+            return False
+        if (path.parent.name, path.name) in self._placed_names_outside_tests:
+            return True
+        top = self._find_package_folder(path)
+        namesakes = (file for file in self._models_by_name[path.name] if not self._is_in_tests(file))
+        return not any(self._find_package_folder(file) == top for file in namesakes)
+
+    def _find_package_folder(self, path: Path) -> Path:
+        return next((folder for folder in path.parents if folder in self.packages), self.path)
+
+    @cached_property
+    def _models_by_name(self) -> Mapping[str, list[Path]]:
+        found: dict[str, list[Path]] = {}
+        for path in self.files:
+            found.setdefault(path.name, []).append(path)
+        return found
 
     def is_in_unused_package(self, path: Path) -> bool:
         """Whether a file is in a package that is kept and not used: it is in a folder for such below this one, and no text of a
@@ -263,10 +288,12 @@ class FolderIndex:
         )
 
     def is_kept_aside(self, path: Path) -> bool:
-        """Whether a file is in a folder of files that are kept and not used below this one, or is an old copy of one beside it;
-        files in folders of tests aside, which tests may read."""
-        is_kept = self._is_kept_copy(path) or self._is_aside(path)
-        return is_kept and not self._is_in_folder(path, _is_test_folder)
+        """Whether a file is in a folder of files that are kept and not used below this one, or is an old copy of one beside it.
+
+        Of files in folders of tests, which tests may read, those whose names say that their robot is refused."""
+        if self._is_in_folder(path, _is_test_folder):
+            return _REFUSED.match(path.name) is not None
+        return self._is_kept_copy(path) or self._is_aside(path)
 
     def _is_kept_copy(self, path: Path) -> bool:
         """Whether a name says that the file is an old copy of a model beside it: ``arm_ori.urdf`` of ``arm.urdf``.
@@ -303,17 +330,27 @@ class FolderIndex:
     @cached_property
     def _names_outside_tests(self) -> frozenset[str]:
         """The names of files that the models and the texts of packages spell out, except for those in folders of tests."""
-        names = {
-            mention.rpartition("/")[2]
-            for f, file in self.files.items()
-            if not self._is_in_tests(f)
-            for mention in file.includes
-        }
-        for top in self.packages or [self.path]:
-            for path, text in iter_package_texts(top, self.finder.can_open):
-                if not self._is_in_tests(path):
-                    names.update(find_file_names(COMMENT.sub("", text)))
-        return frozenset(names)
+        names = {mention.rpartition("/")[2] for mention in self._includes_outside_tests}
+        return frozenset(names.union(*(find_file_names(text) for text in self._texts_outside_tests)))
+
+    @cached_property
+    def _placed_names_outside_tests(self) -> frozenset[tuple[str, str]]:
+        """The same names with their folders, where these are spelled out too."""
+        texts = (*self._includes_outside_tests, *self._texts_outside_tests)
+        return frozenset(itertools.chain.from_iterable(map(_PLACED_NAME.findall, texts)))
+
+    @cached_property
+    def _includes_outside_tests(self) -> list[str]:
+        return [typed for path, file in self.files.items() if not self._is_in_tests(path) for typed in file.includes]
+
+    @cached_property
+    def _texts_outside_tests(self) -> list[str]:
+        return [
+            drop_comments(text)
+            for top in self.packages or [self.path]
+            for path, text in iter_package_texts(top, self.finder.can_open)
+            if not self._is_in_tests(path)
+        ]
 
     def may_be_part(self, path: Path) -> bool:
         """Whether another file below the folder includes this one, or may."""

@@ -50,6 +50,9 @@ _OTHER_READERS = re.compile(r"rviz|moveit", re.IGNORECASE)
 # What authors put where a script, or a person, is to write something.
 _PLACEHOLDER = re.compile(r"[A-Z][A-Z0-9]{3,}(?:_[A-Z0-9]+)*|__\w+__|@\w+@|\{[^{}]+\}|%\(?\w+\)?s|<[^<>]+>")
 SCRIPT_SUFFIXES = (".py", ".sh", ".bash", "Makefile", ".mk")
+_SHELL_SUFFIXES = (".sh", ".bash", "Makefile", ".mk")
+# The file that a command of a shell writes.
+_WRITTEN = re.compile(r"(?:>|\s-o\s|\s--output[ =])\s*[\"']?[^\s\"']*")
 # Files that say how an image is made.
 CONTAINER_FILE = re.compile(r"Dockerfile|Containerfile|compose[\w.-]*\.ya?ml$|^devcontainer\.json$", re.IGNORECASE)
 _FETCHES = re.compile(
@@ -65,8 +68,9 @@ _BLOCK = re.compile(r"""insert_block\s+name\s*=\s*["']([^"']+)["']""")
 _CALLED = re.compile(r"""<xacro:([^\s<>/"'=]+)""")
 _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"'<>]*)""")
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
-# A name that a file computes may be that of any model; `replace(".xacro", "")` takes the ending from a name.
-COMPUTED_FILE = re.compile(r"""(?:[)}\]]|(?<!replace\()["']|%s)\.(?:urdf|xacro)\b""")
+# A name that a file computes may be that of any model; `replace(".xacro", "")` takes the ending from a name, and `suffix=".urdf"`
+# is that of a temporary file.
+COMPUTED_FILE = re.compile(r"""(?:[)}\]]|(?<!replace\()(?<!suffix=)["']|%s)\.(?:urdf|xacro)\b""")
 # What is typed of such a name behind the part that is computed: `${side}_arm.xacro`, `side + "_arm.xacro"`.
 _COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""")
 # What xacro says of a name or a macro that is not defined, and the definitions of a file.
@@ -493,7 +497,7 @@ def is_named_nowhere(source: Source) -> bool:
             except OSError:
                 continue
             if package_name in text and (
-                names_file(drop_comments(text), inside, source.package.name)
+                names_file(drop_outputs(path, drop_comments(text)), inside, source.package.name)
                 or built.search(text)
                 or COMPUTED_FILE.search(text)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
@@ -501,6 +505,11 @@ def is_named_nowhere(source: Source) -> bool:
             ):
                 return False
     return True
+
+
+def drop_outputs(path: Path, text: str) -> str:
+    """Leave out of the text of a script the files that its commands write: these do not use them."""
+    return _WRITTEN.sub("", text) if path.name.endswith(_SHELL_SUFFIXES) else text
 
 
 def get_stem(source: Source) -> str:

@@ -98,9 +98,9 @@ def _load_refused(error: MeshError, path: Path, file_type: str) -> RawMesh:
         if refusal.reason_id == "too-large":
             raise
         raise MeshError(error.reason_id, error.message, "refuses") from None
-    # Its corners count from the start of their own geometry (coal 3.0.3, buildMesh): of several geometries in one node, none but the
-    # first has its own.
-    is_mixed_up = len(np.unique(mesh.faces)) < len(mesh.vertices)
+    # The corners count from the start of their own geometry (coal 3.0.3, buildMesh): of several in one node, all but those of the
+    # first are others.
+    is_mixed_up = mesh.faces is not None and len(np.unique(mesh.faces)) < len(mesh.vertices)
     if is_mixed_up or error.reason_id in SEVERAL_TEXTS:
         raise MeshError(error.reason_id, error.message, "loads") from None
     return replace(mesh, flaw=error.message, assimp="loads")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from urdfcheck.core.text import compile_names
@@ -21,6 +21,7 @@ from urdfcheck.source.uses_elsewhere import (
     COMPUTED_FILE,
     MODEL_FILE,
     SCRIPT_SUFFIXES,
+    drop_outputs,
     get_stem,
     is_kept_as_source,
     is_named_nowhere,
@@ -42,8 +43,8 @@ _NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".sdf", ".world")
 # Also what lists models without using them: configurations and baselines of checkers.
 _LISTS = (".json", ".toml")
 _MOST_FILES = 1_000
-# What is in a file has a name of its own.
-_NAME_OF_CONTENT = re.compile(r"""<(?:robot|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
+# What is in a file has a name of its own, and so has a model of SDF.
+_NAME_OF_CONTENT = re.compile(r"""<(?:robot|model|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
 # A program that loads whatever models are in a folder.
 _ALL_MODELS = re.compile(r"\*\.(?:urdf|xacro)\b")
 
@@ -52,16 +53,14 @@ def is_left_over(source: Source) -> bool:
     """Whether no file of the project names the model, and one names another model of its package (of the project without one),
     xacro made it of a file that is here, or the build of its package installs other files and not this one.
 
-    False for a piece of a robot, for one that is called as its package is, and where one of the files that could name the model
-    computes such a name, or has its name without the ending in quotes. Outside the packages that name the model's, only programs
-    and READMEs are searched.
+    False for a piece of a robot, for one that is called as its package is and was not made of a file here, and where one of the
+    files that could name the model computes such a name, or has its name without the ending in quotes. Outside the packages that
+    name the model's, only programs and READMEs are searched.
     """
-    if _may_be_piece(source) or _has_name_of_package(source):
+    if _may_be_piece(source) or (_has_name_of_package(source) and not _is_made_of_file_here(source)):
         return False
     texts = _read_project_texts(source) if source.package is None else _read_package_texts(source)
-    name = re.escape(get_stem(source))
-    stem = re.compile(rf"[\"']{name}[\"']|\(find {name}\)|package://{name}/")
-    if not texts or any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts):
+    if not texts or _is_stem_named(source, texts):
         return False
     top = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
     others = _list_other_models(top, source.path)
@@ -69,6 +68,16 @@ def is_left_over(source: Source) -> bool:
     is_unused = names_another or _is_made_of_file_here(source) or _is_not_installed(source)
     # Last what reads most files.
     return is_unused and not is_kept_as_source(source) and not _is_named_outside_packages(source)
+
+
+def _is_stem_named(source: Source, texts: Iterable[str]) -> bool:
+    """Whether one of the texts has the model's name without the ending in quotes, or as that of a package, and none here is
+    called so."""
+    if get_stem(source) in source.finder.list_workspace_packages():
+        return False
+    name = re.escape(get_stem(source))
+    stem = re.compile(rf"[\"']{name}[\"']|\(find {name}\)|package://{name}/")
+    return any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts)
 
 
 def _read_package_texts(source: Source) -> list[str]:
@@ -151,7 +160,8 @@ def _is_named_outside_packages(source: Source) -> bool:
     around = [folder for folder in path.parents if folder == project or project in folder.parents]
     readmes = itertools.chain.from_iterable(map(_list_readmes, around))
     texts = (read_text_or_nothing(path, _LARGEST) for path in readmes if source.finder.can_open(path))
-    scripts = (text for _, text in iter_project_files(source, (*SCRIPT_SUFFIXES, *_PROGRAMS, *_LISTS)))
+    programs = iter_project_files(source, (*SCRIPT_SUFFIXES, *_PROGRAMS, *_LISTS))
+    scripts = (drop_outputs(path, drop_comments(text)) for path, text in programs)
     found = (text for text in itertools.chain(texts, scripts) if own.search(text))
     return any(names_file(text, inside, package) for text in found)
 

@@ -15,7 +15,7 @@ from urdfcheck.system.files import read_regular, record_reads, remember_large_fo
 
 # How many folders of one folder are looked into.
 MAX_SIBLINGS = 2_000
-BUILD_FOLDERS = frozenset({"build", "install", "log"})
+BUILD_FOLDERS = frozenset({"build", "install", "log", "build_isolated", "devel_isolated", "install_isolated"})
 # Folders of files that are kept and not used; those of raw data have what an exporter wrote, of which the robot's files are made.
 _ASIDE_FOLDERS = frozenset(
     {"archive", "backup", "bak", "not_used", "old", "raw", "raw_data", "raw_export", "raw_exports"}
