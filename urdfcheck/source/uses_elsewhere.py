@@ -70,7 +70,7 @@ _CALLED_BY_NAME = re.compile(r"""<xacro:call\s[^<>]{0,1000}?macro\s*=\s*["']([^"
 _DECLARED = re.compile(r"""<xacro:arg\s[^<>]{0,1000}?name\s*=\s*["']([^"'<>]*)""")
 # A name that a file computes may be that of any model; `replace(".xacro", "")` takes the ending from a name, and `suffix=".urdf"`
 # is that of a temporary file.
-COMPUTED_FILE = re.compile(r"""(?:[)}\]]|(?<!replace\()(?<!suffix=)["']|%s)\.(?:urdf|xacro)\b""")
+_COMPUTED = re.compile(r"""(?:[)}\]]|(?<!replace\()(?<!suffix=)["']|%s)(\.(?:(?:urdf\.)?xacro|urdf(?!\.xacro)))\b""")
 # What is typed of such a name behind the part that is computed: `${side}_arm.xacro`, `side + "_arm.xacro"`.
 _COMPUTED_END = re.compile(r"""(?:[)}]|\+\s*f?["'])([\w.-]+\.(?:urdf|xacro))\b""")
 # What xacro says of a name or a macro that is not defined, and the definitions of a file.
@@ -325,8 +325,9 @@ def is_certainly_left_aside(source: Source) -> bool:
     if source.package is None:
         return False
     texts = list(read_project_texts(source))
-    names_others = name_other_models_only(texts, source.path.name) and not any(map(COMPUTED_FILE.search, texts))
-    return names_others and not is_kept_as_source(source)
+    names_others = name_other_models_only(texts, source.path.name)
+    is_computed = any(computes_name(text, source.path.name) for text in texts)
+    return names_others and not is_computed and not is_kept_as_source(source)
 
 
 @lru_cache(maxsize=1)  # several rules ask
@@ -490,7 +491,7 @@ def is_named_nowhere(source: Source) -> bool:
         for path in itertools.islice(_iter_caller_files(folder, deep=True), _MAX_FILES):
             if path.absolute() == source.path.absolute() or not source.finder.can_open(path):
                 continue
-            if is_kept_aside(path, source.package):  # what nothing starts starts nothing
+            if any(map(is_aside_folder, path.relative_to(folder).parts[:-1])):  # what nothing starts starts nothing
                 continue
             try:
                 text = read_regular(path, _MAX_BYTES).decode("utf-8", "replace")
@@ -499,12 +500,17 @@ def is_named_nowhere(source: Source) -> bool:
             if package_name in text and (
                 names_file(drop_outputs(path, drop_comments(text)), inside, source.package.name)
                 or built.search(text)
-                or COMPUTED_FILE.search(text)
+                or computes_name(text, source.path.name)
                 or any(map(source.path.name.endswith, _COMPUTED_END.findall(text)))
                 or (path.suffix.lower() in _INCLUDED_SUFFIXES and _is_made_of(source, path, text))
             ):
                 return False
     return True
+
+
+def computes_name(text: str, name: str) -> bool:
+    """Whether a text computes the name of a file that ends as this one."""
+    return any(map(name.endswith, _COMPUTED.findall(text)))
 
 
 def drop_outputs(path: Path, text: str) -> str:

@@ -12,7 +12,7 @@ from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
 from urdfcheck.source.package.package_folders import read_package_texts
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.uses_elsewhere import COMPUTED_FILE, MODEL_FILE, iter_user_texts
+from urdfcheck.source.uses_elsewhere import MODEL_FILE, computes_name, iter_user_texts
 from urdfcheck.source.xacro.usage import ARGUMENT, find_expression_names, iter_elements_by_tag, strip_namespace
 
 # How launch files, scripts and manifests name the successor of Gazebo Classic.
@@ -84,7 +84,7 @@ def is_only_made_into_sdf(model: Model) -> bool:
     own, texts = compile_names((model.source.path.name,)), list_project_texts(model)
     is_made = any(own.search(text) and _CONVERTS.search(text) for text in texts)
     publishing = filter(_FRAMES.search, texts) if is_made else ()
-    return is_made and not any(own.search(text) or COMPUTED_FILE.search(text) for text in publishing)
+    return is_made and not any(own.search(text) or computes_name(text, model.source.path.name) for text in publishing)
 
 
 @fact

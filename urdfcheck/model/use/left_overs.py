@@ -18,9 +18,9 @@ from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.uses_elsewhere import (
     CALLER_SUFFIXES,
-    COMPUTED_FILE,
     MODEL_FILE,
     SCRIPT_SUFFIXES,
+    computes_name,
     drop_outputs,
     get_stem,
     is_kept_as_source,
@@ -65,7 +65,12 @@ def is_left_over(source: Source) -> bool:
     top = find_project_folder(source.path.absolute()) if source.package is None else source.package.path
     others = _list_other_models(top, source.path)
     names_another = any(others.intersection(MODEL_FILE.findall(text)) for text in texts)
-    is_unused = names_another or _is_made_of_file_here(source) or _is_not_installed(source)
+    is_unused = (
+        names_another
+        or _is_made_of_file_here(source)
+        or _is_not_installed(source)
+        or _is_beside_model_of_gazebo(source)
+    )
     # Last what reads most files.
     return is_unused and not is_kept_as_source(source) and not _is_named_outside_packages(source)
 
@@ -85,7 +90,8 @@ def _read_package_texts(source: Source) -> list[str]:
     if not is_named_nowhere(source):
         return []
     texts = [drop_comments(text) for _, text in iter_user_texts(source)]
-    return [] if any(map(COMPUTED_FILE.search, texts)) else [*texts, *_read_texts_about_package(source)]
+    is_computed = any(computes_name(text, source.path.name) for text in texts)
+    return [] if is_computed else [*texts, *_read_texts_about_package(source)]
 
 
 def _read_project_texts(source: Source) -> list[str]:
@@ -95,7 +101,7 @@ def _read_project_texts(source: Source) -> list[str]:
     texts = []
     for _, text in () if source.is_part else itertools.islice(iter_project_files(source, _NAMING), _MOST_FILES):
         plain = drop_comments(text)
-        if own.search(plain) or COMPUTED_FILE.search(plain) or _ALL_MODELS.search(plain):
+        if own.search(plain) or computes_name(plain, source.path.name) or _ALL_MODELS.search(plain):
             return []
         texts.append(plain)
     return [] if len(texts) == _MOST_FILES else texts
@@ -118,6 +124,16 @@ def _is_not_installed(source: Source) -> bool:
         return False
     inside = source.path.absolute().relative_to(package.path.absolute())
     return installed.function_words.isdisjoint(inside.parts) and not installed.may_install(inside.as_posix())
+
+
+def _is_beside_model_of_gazebo(source: Source) -> bool:
+    """Whether xacro wrote the model into the folder of a model of Gazebo, which loads the SDF that model.config names."""
+    if not source.is_output_of_xacro:
+        return False
+    project = find_project_folder(source.path.absolute())
+    around = [folder for folder in source.path.absolute().parents if project in folder.parents]
+    texts = (read_text_or_nothing(folder / "model.config", _LARGEST) for folder in around)
+    return any("<sdf" in text for text in texts)
 
 
 def _has_name_of_package(source: Source) -> bool:
