@@ -648,6 +648,27 @@ def test_a_folder_that_nothing_marks_may_be_of_the_robot(tmp_path: Path, mark: s
 
 
 @pytest.mark.parametrize(
+    ("command", "is_copied"),
+    [
+        ("FILE(COPY r.urdf DESTINATION ${OUT}/resources)", True),
+        ("configure_file(r.urdf ${OUT}/r.urdf COPYONLY)", True),
+        ("# file(COPY r.urdf DESTINATION ${OUT})", False),
+        ("file(COPY other_r.urdf DESTINATION ${OUT})", False),
+        ("install(FILES r.urdf DESTINATION share)", False),
+    ],
+)
+def test_the_paths_of_a_model_that_the_build_copies_may_be_those_of_the_copy(
+    tmp_path: Path, command: str, is_copied: bool
+) -> None:
+    write(tmp_path, "robot/.git/HEAD", "cad/a.stl")
+    write(tmp_path, "robot/CMakeLists.txt", text=command)
+    finding = find(tmp_path / "robot/r.urdf", "../cad/a.stl", code="PKG012")
+    assert finding.severity == (Severity.WARNING if is_copied else Severity.ERROR)
+    assert finding.fix is not None
+    assert ("CMakeLists.txt copies the model" in finding.fix.title) == is_copied
+
+
+@pytest.mark.parametrize(
     ("path", "repair"),
     [
         ("/home/ann/ws/src/car/urdf/wheel.xacro", "write `$(find car)/urdf/wheel.xacro`: the package has the file"),

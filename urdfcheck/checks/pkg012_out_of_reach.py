@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from urdfcheck.core import Finding, Rule
+from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.launch_context import LaunchContext
@@ -27,6 +27,7 @@ from urdfcheck.source.resources import (
 )
 from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.problems import Problem
+from urdfcheck.source.uses_elsewhere import find_copying_build
 from urdfcheck.system.observing.questions import expand_home
 
 if TYPE_CHECKING:
@@ -52,15 +53,17 @@ def check(context: Source | LaunchContext, rule: Rule) -> Iterator[Finding]:
         files = list(dict.fromkeys(u.resource.text for u in uses))
         if uses:
             folder = _name_folder(uses[0].resource.path)
+            build = find_copying_build(subject)
             yield rule.finding(
                 "mesh",
                 at=uses[0],
+                severity=None if build is None else Severity.WARNING,
                 related={u.attribute.span: u for u in uses[1:]}.values(),
                 amount=format_count(len(files), "file is", "files are"),
                 files=files,
                 listed=join_names(files, 3),
                 folder=folder,
-                repair=_describe_repair(uses, subject, folder),
+                repair=_describe_repair(uses, subject, folder) if build is None else _describe_copy(build),
             )
 
 
@@ -75,6 +78,12 @@ def _describe_repair(uses: Sequence[ResourceUse], source: Source, folder: str) -
         return f"{describe_namesakes(uses, source)}{_MOVE.format(folder=folder)}"
     reason = "without .git or package.xml only the model's folder is read"
     return f"if the folder is the robot's own, allow it: --allow-read {folder}; {reason}"
+
+
+def _describe_copy(build: Path) -> str:
+    return (
+        f"{format_path(build)} copies the model: if the paths are those of the copy, check that one; else {_MOVE_ONLY}"
+    )
 
 
 def _build_unread_finding(problem: Problem, subject: Source | Launch, rule: Rule) -> Finding:

@@ -384,6 +384,16 @@ def find_copying_image(source: Source) -> Path | None:
     return next((path for path, text in files if copied.search(text)), None)
 
 
+@lru_cache(maxsize=1)
+def find_copying_build(source: Source) -> Path | None:
+    """Return the CMakeLists.txt of the project that copies the model into a folder of the build, where its relative paths lead
+    elsewhere. What ``install`` copies aside: it copies the meshes too."""
+    name = re.escape(source.path.name)
+    copied = re.compile(rf"(?im)^[^#\n]*\b(?:file\s*\(\s*COPY\b|configure_file\s*\()[^()]*(?<![\w.-]){name}(?![\w.-])")
+    files = iter_project_files(source, ("CMakeLists.txt",))
+    return next((path for path, text in files if copied.search(text)), None)
+
+
 @lru_cache(maxsize=8)  # a model has few such words
 def find_filling_script(source: Source, word: str) -> Path | None:
     """Return a script of the project that puts another text in place of a ``word`` in capitals or brackets, as in a template.
