@@ -45,6 +45,8 @@ _LISTS = (".json", ".toml")
 _MOST_FILES = 1_000
 # What is in a file has a name of its own, and so has a model of SDF.
 _NAME_OF_CONTENT = re.compile(r"""<(?:robot|model|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
+# The file that a model.config names: an SDF, or a URDF, which Gazebo reads as well.
+_LOADED_BY_GAZEBO = re.compile(r"<sdf\b[^<>]*>\s*([^\s<>]+)\s*</sdf>")
 # A program that loads whatever models are in a folder.
 _ALL_MODELS = re.compile(r"\*\.(?:urdf|xacro)\b")
 
@@ -132,8 +134,9 @@ def _is_beside_model_of_gazebo(source: Source) -> bool:
         return False
     project = find_project_folder(source.path.absolute())
     around = [folder for folder in source.path.absolute().parents if project in folder.parents]
-    texts = (read_text_or_nothing(folder / "model.config", _LARGEST) for folder in around)
-    return any("<sdf" in text for text in texts)
+    texts = [drop_comments(read_text_or_nothing(folder / "model.config", _LARGEST)) for folder in around]
+    loaded = [name for text in texts for name in _LOADED_BY_GAZEBO.findall(text)]
+    return bool(loaded) and all(name.endswith(".sdf") for name in loaded)
 
 
 def _has_name_of_package(source: Source) -> bool:
