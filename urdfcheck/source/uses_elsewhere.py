@@ -520,7 +520,7 @@ def is_named_nowhere(source: Source) -> bool:
 
 def computes_name(text: str, name: str) -> bool:
     """Whether a text computes the name of a file that ends as this one."""
-    return any(map(name.endswith, _COMPUTED.findall(text)))
+    return any(map(name.lower().endswith, _COMPUTED.findall(text)))
 
 
 def drop_outputs(path: Path, text: str) -> str:

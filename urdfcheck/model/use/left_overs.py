@@ -11,7 +11,7 @@ from pathlib import Path
 from urdfcheck.core.text import compile_names
 from urdfcheck.source.load import Source, read_xacro_source
 from urdfcheck.source.model_file import names_file
-from urdfcheck.source.package.file_kinds import is_launch
+from urdfcheck.source.package.file_kinds import is_launch, is_srdf
 from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.package.similar_files import find_files_elsewhere
@@ -146,8 +146,10 @@ def _has_name_of_package(source: Source) -> bool:
 
 
 def _may_be_piece(source: Source) -> bool:
-    """Whether the model may be included by a name that is computed: its <robot> has none."""
-    return source.is_part and (source.main_tree is None or not can_have_name(source.main_tree))
+    """Whether the model may be included by a name that is computed: its <robot> has none. So may one that is called a semantic
+    description."""
+    is_nameless = source.main_tree is None or not can_have_name(source.main_tree)
+    return (source.is_part and is_nameless) or is_srdf(source.path)
 
 
 def _read_texts_about_package(source: Source) -> Iterator[str]:
