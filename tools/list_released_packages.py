@@ -12,22 +12,28 @@ import yaml
 
 from urdfcheck.source.package.released_packages import NAMES
 
-DISTRIBUTIONS = (
-    *("indigo", "kinetic", "melodic", "noetic"),
-    *("foxy", "galactic", "humble", "iron", "jazzy", "kilted", "rolling"),
-)
+DISTRIBUTIONS = {
+    1: ("indigo", "kinetic", "melodic", "noetic"),
+    2: ("foxy", "galactic", "humble", "iron", "jazzy", "kilted", "rolling"),
+}
 
 
-def collect_names(checkout: Path) -> set[str]:
-    """Collect the names of the packages of all released repositories; one without a list is a package itself."""
-    names: set[str] = set()
-    for distribution in DISTRIBUTIONS:
-        index = yaml.safe_load((checkout / distribution / "distribution.yaml").read_text(encoding="utf-8"))
-        for repository, entry in index["repositories"].items():
-            if release := entry.get("release"):
-                names.update(release.get("packages", [repository]))
+def collect_names(checkout: Path) -> dict[str, set[int]]:
+    """Collect the packages of all repositories, each with the generations of ROS that have it.
+
+    A repository without a list of packages is a package itself, also if only its documentation is listed.
+    """
+    names: dict[str, set[int]] = {}
+    for generation, distributions in DISTRIBUTIONS.items():
+        for distribution in distributions:
+            index = yaml.safe_load((checkout / distribution / "distribution.yaml").read_text(encoding="utf-8"))
+            for repository, entry in index["repositories"].items():
+                for name in (entry.get("release") or {}).get("packages", [repository]):
+                    names.setdefault(name, set()).add(generation)
     return names
 
 
 if __name__ == "__main__":
-    NAMES.write_text("\n".join(sorted(collect_names(Path(sys.argv[1])))) + "\n", encoding="ascii")
+    found = collect_names(Path(sys.argv[1]))
+    lines = (f"{name} {''.join(map(str, sorted(found[name])))}" for name in sorted(found))
+    NAMES.write_text("\n".join(lines) + "\n", encoding="ascii")

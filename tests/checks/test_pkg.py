@@ -1120,13 +1120,17 @@ def test_the_program_that_stops_is_that_of_the_package_s_ros(
 @pytest.mark.parametrize(
     ("build", "text", "names"),
     [
-        ("ament_cmake", '<node pkg="amcl" type="amcl" name="n"/><include file="$(find tf2)/a.launch"/>', []),
+        ("ament_cmake", '<node pkg="tf2_tools" type="tf2_tools" name="n"/><include file="$(find tf2)/a.launch"/>', []),
         (
             "ament_cmake",
-            '<node pkg="amcl" exec="amcl"/><include file="$(find-pkg-share tf2)/a.launch"/>',
-            ["tf2", "amcl"],
+            '<node pkg="tf2_tools" exec="tf2_tools"/><include file="$(find-pkg-share tf2)/a.launch"/>',
+            ["tf2", "tf2_tools"],
         ),
-        ("catkin", '<node pkg="amcl" type="amcl" name="n"/><include file="$(find tf2)/a.launch"/>', ["tf2", "amcl"]),
+        (
+            "catkin",
+            '<node pkg="tf2_tools" type="tf2_tools" name="n"/><include file="$(find tf2)/a.launch"/>',
+            ["tf2", "tf2_tools"],
+        ),
     ],
 )
 def test_a_launch_file_of_ros_1_needs_nothing_in_a_package_of_ros_2(
@@ -1455,6 +1459,26 @@ def test_a_line_is_proposed_for_a_package_that_exists(tmp_path: Path, name: str,
     assert (finding.message_id, finding.severity) == (message, Severity.WARNING)
     assert finding.fix is not None
     assert bool(finding.fix.edits) == (message == "undeclared")
+
+
+@pytest.mark.parametrize(
+    ("name", "build", "message"),
+    [
+        ("robot_pose_ekf", "<buildtool_depend>catkin</buildtool_depend>", "undeclared"),
+        ("robot_pose_ekf", "<export><build_type>ament_cmake</build_type></export>", "unknown"),
+        ("robotiq_description", "<export><build_type>ament_cmake</build_type></export>", "undeclared"),
+        ("robotiq_description", "<buildtool_depend>catkin</buildtool_depend>", "unknown"),
+        ("robotiq_description", "", "undeclared"),
+    ],
+)
+def test_no_line_is_proposed_for_a_package_of_the_other_ros(
+    tmp_path: Path, name: str, build: str, message: str
+) -> None:
+    launch = f"get_package_share_directory('{name}')"
+    write(tmp_path, {"package.xml": manifest(build), "urdf/r.urdf": URDF, "launch/a.launch.py": launch})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert finding.message_id == message
+    assert (f"has {name})" in finding.message) == (message == "unknown")
 
 
 REPOSITORIES = "repositories:\n  x/arm5:\n    type: git\n    url: https://h/u/a.git\n"

@@ -357,6 +357,33 @@ def test_a_model_whose_package_can_be_had_elsewhere_lacks_a_declaration(
     assert (finding.message_id, finding.severity, finding.blocks_check) == (message, severity, True)
 
 
+ROS_1, ROS_2 = "<buildtool_depend>catkin</buildtool_depend>", "<export><build_type>ament_cmake</build_type></export>"
+
+
+@pytest.mark.parametrize(
+    ("package", "build", "is_right"),
+    [
+        ("robot_pose_ekf", ROS_1, True),
+        ("robot_pose_ekf", ROS_2, False),
+        ("robotiq_description", ROS_2, True),
+        ("robotiq_description", ROS_1, False),
+        ("robotiq_description", "", True),
+        ("robotiq_description", ROS_1 + ROS_2, True),
+        ("robotiq_description", ROS_2.replace("</export>", "<build_type>catkin</build_type></export>"), True),
+        ("ur_description", ROS_1, True),
+    ],
+)
+def test_a_package_released_for_the_other_ros_is_not_to_be_installed(
+    tmp_path: Path, package: str, build: str, is_right: bool
+) -> None:
+    write(tmp_path, "p/package.xml", text=f"<package><name>p</name>{build}</package>")
+    write(tmp_path, "p/urdf/r.urdf.xacro", text=include(package, "urdf/a.xacro"))
+    (finding,) = check(tmp_path / "p/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert (finding.message_id, finding.severity) == ("expansion-undeclared", Severity.WARNING)
+    assert ("but not for ROS" in finding.message) != is_right
+    assert ("install it" in get_repair(finding)) == is_right
+
+
 @pytest.mark.parametrize(
     ("file", "line", "is_copied"),
     [

@@ -13,6 +13,7 @@ from urdfcheck.core import Edit, Finding, Located, Location, Rule, Severity
 from urdfcheck.core.text import format_argument_option, format_count, join_names
 from urdfcheck.model.repairs.skipping_arguments import find_skipping_argument
 from urdfcheck.source.load import Source, locate_expression
+from urdfcheck.source.package.build_files import read_generation
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package, format_path
 from urdfcheck.source.package.package_folders import is_rosbuild_package, read_package_texts
@@ -135,8 +136,9 @@ def _build_finding(
         else kind
     )
     clone = _find_rosbuild_folder(source, package, at)
-    released = read_released_packages()
-    is_elsewhere = bool(package) and (package in released or bool(propose_clone(package, source.finder)))
+    released = _read_released(owner)
+    known = _describe_knowledge(package, source, owner)
+    is_elsewhere = bool(known)
     included = None if uses else _find_included_file(source, package, at)
     if message == "expansion":
         is_undeclared = is_elsewhere and not (near or checkout or included)
@@ -219,7 +221,7 @@ def _build_finding(
         consequences=_describe_loss(uses, source, in_gazebo) if lost or message == "files-gazebo" else None,
         lost=name_lost_shapes(use.attribute.owner for use in uses),
         package=package,
-        known="ROS has released it" if package in released else "the project says how to get it",
+        known=known,
         manifest="package.xml"
         if dependent is None or (source.package and dependent == source.package.name)
         else f"package.xml of {dependent}",
@@ -276,6 +278,25 @@ def _name_expansion(source: Source, package: str, *, is_undeclared: bool) -> str
     if is_released_elsewhere(source, package):
         return "expansion-released"
     return "expansion-undeclared" if is_undeclared and source.package is not None else "expansion"
+
+
+def _read_released(owner: Package | None) -> frozenset[str]:
+    """Return the packages that are released for the generation of ROS that a package is for; all where that is open."""
+    return read_released_packages(None if owner is None else read_generation(owner.root))
+
+
+def _describe_knowledge(package: str, source: Source, owner: Package | None) -> str:
+    """Say what shows that a package exists, so that its name is right; empty where nothing does."""
+    if package in _read_released(owner):
+        return "ROS has released it"
+    if not package:
+        return ""
+    if propose_clone(package, source.finder):
+        return "the project says how to get it"
+    generation = None if owner is None else read_generation(owner.root)
+    if package in read_released_packages():
+        return f"a package of this name is released, but not for ROS {generation}"
+    return ""
 
 
 def _describe_loss(uses: Sequence[ResourceUse], source: Source, gazebo_model: str) -> dict[str, str]:
@@ -609,7 +630,7 @@ def _describe_repair(
         run_time = _ONLY_TO_BUILD.format(package) if owner is not None and _is_declared_to_build(owner, package) else ""
         return f"install the package, or pass `--package {shlex.quote(package)}=FOLDER`{run_time}"
     elsewhere = f"pass `--package {shlex.quote(package)}=FOLDER`"
-    if package in read_released_packages() and not near:
+    if package in _read_released(owner) and not near:
         install = f"{'declare it in package.xml and ' if owner is not None else ''}install it"
         if _belongs_to_release(package, source):
             return f"{install}, or {elsewhere}"

@@ -14,7 +14,7 @@ from urdfcheck.core import Edit, Finding, Rule, Severity, Span
 from urdfcheck.core.text import compile_names, join_names
 from urdfcheck.source.launch.around.passing_files import is_off_by_default
 from urdfcheck.source.package.alternatives import select_alternatives
-from urdfcheck.source.package.build_files import name_launch_command
+from urdfcheck.source.package.build_files import name_launch_command, read_generation
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES, is_launch, is_model
 from urdfcheck.source.package.finder import (
     Package,
@@ -346,6 +346,7 @@ def _build_finding(
         places=join_names((f"{name} in {_get_file(uses[0])}" for name, uses in missing.items()), 4),
         lines=" ".join(f"<{tag}>{name}</{tag}>" for name, tag in tags.items()),
         checked_out="what is checked out of the repository" if missing_modules else "the repository",
+        distribution=_name_distribution(root, names),
         unfound=_describe_similar(missing, package, message)
         + (_describe_unfound(package, tags, missing_modules) if message in _UNKNOWN else ""),
         idle=_describe_idle_dependency(package, names[0], tags[names[0]]) if message == "circle" else "",
@@ -358,6 +359,15 @@ def _build_finding(
         subjects=tuple(f"package[{package.name}]/{tag}[{name}]" for name, tag in tags.items()),
         consequences=consequences,
     )
+
+
+def _name_distribution(root: Element, names: Iterable[str]) -> str:
+    """Name the distributions that have none of these packages, and those that have some of them."""
+    generation = read_generation(root)
+    others = sorted(read_released_packages() & {*names})
+    if generation is None or not others:
+        return "a ROS distribution"
+    return f"a distribution of ROS {generation} (ROS {3 - generation} has {join_names(others, 3)})"
 
 
 def _build_unknown_findings(
@@ -444,8 +454,8 @@ def _get_file(use: PackageMention) -> str:
 
 
 def _is_known(package: Package, name: str) -> bool:
-    """Whether a package exists: it is found, ROS has released it, or another package here depends on it."""
-    if name in read_released_packages():
+    """Whether a package exists: it is found, the ROS of this package has released it, or another package here depends on it."""
+    if name in read_released_packages(read_generation(package.root)):
         return True
     if package.finder is None:
         return False
@@ -586,7 +596,7 @@ def _build_misnamed_finding(
     owner, path = home
     launcher = name_launch_command(root)
     is_left_over = launcher == "ros2_launch" and all(_is_in_launch_file_of_ros1(use) for use in uses)
-    is_released = name in read_released_packages()
+    is_released = name in read_released_packages(read_generation(root))
     if is_left_over:
         repair = "delete the launch files that were left from ROS 1, or translate them if they are still needed"
     elif is_renamed:

@@ -32,6 +32,15 @@ def is_only_of_ros2(root: Element | None) -> bool:
     return bool(types) and all(name.startswith("ament_") for name in types)
 
 
+def read_generation(root: Element | None) -> int | None:
+    """Return the generation of ROS that a manifest is for: 1 or 2; None for one of both, or of neither."""
+    if is_only_of_ros2(root):
+        return 2
+    tools = () if root is None else (*root.find_children("buildtool_depend"), *root.find_children("depend"))
+    is_of_catkin = any(tool.text.strip() == "catkin" for tool in tools)
+    return 1 if is_of_catkin and not read_build_type(root).startswith("ament_") else None
+
+
 def read_installed_files(name: str, build: str, read_text: Callable[[str], str | None]) -> InstalledFiles | None:
     """Return what the build of a package installs into its share folder; None if no build file shows it.
 
