@@ -1083,6 +1083,14 @@ def test_the_old_xacro_script(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("script", "is_removed"), [("/opt/ros/kinetic/share/xacro/xacro.py", True), ("/home/me/ws/xacro/xacro.py", False)]
+)
+def test_a_copy_of_xacro_keeps_its_script(tmp_path: Path, script: str, is_removed: bool) -> None:
+    body = f'<param name="robot_description" command="{script} $(find car)/urdf/car.urdf"/>'
+    assert bool(find_in_package(tmp_path, body, "LCH003")) == is_removed
+
+
+@pytest.mark.parametrize(
     ("body", "messages"),
     [
         ('<arg name="x" default="1"/>', ["unused"]),

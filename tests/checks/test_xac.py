@@ -2648,19 +2648,44 @@ def test_a_call_without_the_prefix_in_a_kept_file_is_a_warning(tmp_path: Path, f
 
 
 @pytest.mark.parametrize(
-    ("readme", "severity"),
-    [("Tested on ROS Melodic.", Severity.WARNING), ("ROS Melodic, Noetic", Severity.ERROR), ("", Severity.ERROR)],
+    ("texts", "severity"),
+    [
+        ({"README.md": "Tested on ROS Melodic."}, Severity.WARNING),
+        ({"README.md": "ROS Melodic, Noetic"}, Severity.ERROR),
+        ({}, Severity.ERROR),
+        ({"Docker/Dockerfile": "ENV ROS_DISTRO melodic"}, Severity.WARNING),
+        ({"Dockerfile": "FROM osrf/ros:kinetic-desktop"}, Severity.WARNING),
+        ({"Dockerfile": "FROM osrf/ros:humble-desktop"}, Severity.ERROR),
+        ({"install.bash": "apt install ros-kinetic-desktop-full"}, Severity.WARNING),
+        ({"install.bash": "# apt install ros-kinetic-desktop-full"}, Severity.ERROR),
+        ({"run.sh": "source /opt/ros/melodic/setup.bash", "README.md": "for Noetic"}, Severity.ERROR),
+        ({"run.sh": "source /opt/ros/melodic/setup.bash", "src/car/README.md": "for Noetic"}, Severity.WARNING),
+        ({"README.md": "Melodic", "src/car/README.md": "for Noetic"}, Severity.ERROR),
+        ({"build/CMakeCache.txt": "xacro_DIR:PATH=/opt/ros/kinetic/share/xacro/cmake"}, Severity.WARNING),
+    ],
 )
-def test_a_call_without_the_prefix_is_a_warning_where_the_robot_stays_on_melodic(
-    tmp_path: Path, readme: str, severity: Severity
+@pytest.mark.parametrize("is_expanded", [True, False])
+def test_a_call_without_the_prefix_is_a_warning_where_the_project_stays_on_melodic(
+    tmp_path: Path, texts: dict[str, str], severity: Severity, is_expanded: bool
 ) -> None:
+    value = "" if is_expanded else '<property name="far" value="1"/><link name="a${far}"/>'
     files = {
-        "package.xml": "<package><name>car</name></package>",
-        "README.md": readme,
-        "urdf/car.urdf.xacro": HEAD + BASE + WHEEL + '<wheel name="a"/></robot>',
+        ".git/HEAD": "",
+        "src/car/package.xml": "<package><name>car</name></package>",
+        "src/car/urdf/car.urdf.xacro": HEAD + BASE + WHEEL + value + '<wheel name="a"/></robot>',
+        **texts,
     }
-    finding = only(check(write(tmp_path, files) / "urdf/car.urdf.xacro", codes={"XAC007"}))
-    assert (finding.message_id, finding.severity) == ("unprefixed", severity)
+    finding = only(check(write(tmp_path, files) / "src/car/urdf/car.urdf.xacro", codes={"XAC007", "XAC001"}))
+    assert (finding.message_id, finding.severity) == ("unprefixed" if is_expanded else "halted", severity)
+
+
+@pytest.mark.parametrize(("release", "severity"), [("Kinetic", Severity.WARNING), ("Melodic", Severity.ERROR)])
+def test_a_macro_that_is_defined_later_is_a_warning_where_xacro_reads_all_macros_first(
+    tmp_path: Path, release: str, severity: Severity
+) -> None:
+    files = {"README.md": release, "car.urdf.xacro": HEAD + BASE + '<xacro:wheel name="a"/>' + WHEEL + "</robot>"}
+    finding = only(check(write(tmp_path, files) / "car.urdf.xacro", codes={"XAC001"}))
+    assert (finding.message_id, finding.severity) == ("macro-later", severity)
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,9 @@ from urdfcheck.core import Edit, Finding, Rule, Severity
 from urdfcheck.core.records import dataclass
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.model.repairs.edits import edit_literals
+from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.static_transforms import get_executable
-from urdfcheck.source.ros.distributions import is_only_before_noetic
+from urdfcheck.source.ros.distributions import is_only_before
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Attribute, Element
@@ -88,8 +89,6 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     if launch.is_left_over:  # another name does not make it start
         return
     successors = _SUCCESSORS.get(launch.dialect, {})
-    # A robot that its README keeps on an older ROS starts as it is: the line matters when it moves.
-    is_older = launch.dialect == "ros1" and is_only_before_noetic(launch.finder)
     for node in launch.nodes:
         attribute = node.attributes.get("type") or node.attributes.get("exec")
         successor = successors.get((node.get("pkg"), get_executable(node)))
@@ -98,7 +97,7 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
                 "removed",
                 at=attribute,
                 edits=_propose_edits(node, attribute, successor) if successor.drop_in and not _has_period(node) else [],
-                severity=_grade(successor, is_older=is_older),
+                severity=_grade(successor, launch),
                 consequences=dict([successor.effect]),
                 old=f"{node.get('pkg')}/{attribute.value}",
                 new=f"{successor.package}/{successor.executable}",
@@ -110,14 +109,15 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     for description in launch.descriptions:
         script = description.words[0] if description.words and not description.is_from_include else ""
         successor = successors.get(("xacro", script.rpartition("/")[2]))
-        if successor is not None:
+        is_own = script.startswith("/") and not script.startswith("/opt/ros/")  # a copy of xacro keeps what it has
+        if successor is not None and not is_own:
             at = locate_text(description.at, "xacro.py", launch.files)
             edits = [] if at.span is None else [Edit(at.span, "xacro.py", "xacro")]
             yield rule.finding(
                 "removed",
                 at=at,
                 edits=edits,
-                severity=_grade(successor, is_older=is_older),
+                severity=_grade(successor, launch),
                 consequences=dict([successor.effect]),
                 old="xacro/xacro.py",
                 new="xacro/xacro",
@@ -126,9 +126,13 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
             )
 
 
-def _grade(successor: _Successor, *, is_older: bool) -> Severity | None:
-    """Return the severity where it is not the usual one: an info if the robot stays on releases that still have the old one."""
-    return Severity.INFO if is_older and successor.since.startswith("ROS Noetic") else None
+def _grade(successor: _Successor, launch: Launch) -> Severity | None:
+    """Return the severity where it is not the usual one: an info if the project stays on releases that still have the old one.
+
+    The robot starts there as it is: the line matters when it moves.
+    """
+    is_of_noetic = successor.since.startswith("ROS Noetic")
+    return Severity.INFO if is_of_noetic and is_only_before("noetic", launch.finder) else None
 
 
 def _has_period(node: Element) -> bool:

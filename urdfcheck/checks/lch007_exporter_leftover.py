@@ -10,7 +10,7 @@ from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.launch.around.naming_files import is_started_in_project
 from urdfcheck.source.launch.launch_file import Launch
 from urdfcheck.source.launch.static_transforms import get_executable
-from urdfcheck.source.ros.distributions import is_only_before_noetic
+from urdfcheck.source.ros.distributions import is_only_before
 from urdfcheck.source.text.tokens import build_removal_edits
 from urdfcheck.source.text.xml import Element
 
@@ -33,8 +33,9 @@ def check(context: LaunchContext, rule: Rule) -> Iterator[Finding]:
     )
     for element in launch.root.walk():
         message = _classify_leftover(element)
-        is_idle = not publishes or _is_off(launch, element) or is_only_before_noetic(launch.finder)
-        if message == "use-gui" and is_idle:
+        if message == "use-gui" and (
+            not publishes or _is_off(launch, element) or is_only_before("noetic", launch.finder)
+        ):
             continue
         if message is not None:
             data: dict[str, Any] = {"sliders": sliders} if message == "use-gui" else {}

@@ -47,6 +47,7 @@ from urdfcheck.source.path_arguments import (
     select_guilty,
 )
 from urdfcheck.source.resources import find_package_address
+from urdfcheck.source.ros.distributions import is_only_before
 from urdfcheck.source.text.grammar import CHILDREN
 from urdfcheck.source.text.problems import IN_EXPRESSION, MISSING_FILE, Problem
 from urdfcheck.source.text.tokens import build_rename_edits
@@ -162,12 +163,13 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_aside = is_no_robot(source) or find_used_copy(source) is not None
         if is_aside and not str(report.data.get("repair", _DELETION)).startswith(_DELETION):
             report.data["repair"] = f"{_DELETION} {report.data['repair']}"
+        unprefixed = _find_unprefixed_tags(failure, report)
         finding = rule.finding(
             report.message,
             at=report.at,
             related=report.related,
             macros=list(problem.data.get("macros") or ()),
-            between=_find_unprefixed_tags(failure, report),
+            between=unprefixed,
             **report.data,
         )
         # A piece that lacks what another file of its package defines was left out of the model: no program loads it.
@@ -179,6 +181,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
         is_left_out |= bool(report.data.get("origin"))  # where the package is built, the file is there
         is_left_out |= report.message == "environment-unread"  # only here it has no value
         is_left_out |= report.message in _OF_EMPTY_VALUES and bool(remedy) and _is_started_from_outside(source)
+        # The xacro of the project's ROS executes tags without the prefix, and reads all macros first.
+        is_left_out |= bool(unprefixed) and is_only_before("noetic", source.finder)
+        is_left_out |= report.message == "macro-later" and is_only_before("melodic", source.finder)
         yield replace(finding, severity=Severity.WARNING, blocks_check=True) if is_left_out else finding
 
 

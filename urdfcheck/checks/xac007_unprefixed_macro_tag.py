@@ -15,7 +15,7 @@ from urdfcheck.core.text import format_count, format_repetition, join_names
 from urdfcheck.policy.superseding import WHOLE_RULE
 from urdfcheck.source.load import Source, select_own_trees
 from urdfcheck.source.model_role import has_unprefixed_calls, list_unprefixed_calls
-from urdfcheck.source.ros.distributions import is_only_before_noetic
+from urdfcheck.source.ros.distributions import is_only_before
 from urdfcheck.source.text.grammar import list_single_tags
 from urdfcheck.source.text.handed_values import EXPRESSION
 from urdfcheck.source.text.problems import find_lacking
@@ -143,9 +143,9 @@ def check(source: Source, rule: Rule) -> Iterator[Finding]:
             explains=explained if not left_over.isdisjoint(_collect_places(elements)) else [],
             consequences=_describe_consequences(source, elements) or _describe_kept(standing),
         )
-        # No program loads it, or the README keeps the robot on releases whose xacro expands it.
+        # No program loads it, or the project keeps the robot on releases whose xacro expands it.
         is_harmless = finding.severity is Severity.ERROR and (
-            is_kept_unused(source) or is_no_robot(source) or is_only_before_noetic(source.finder)
+            is_kept_unused(source) or is_no_robot(source) or is_only_before("noetic", source.finder)
         )
         if is_harmless:
             finding = replace(finding, severity=Severity.WARNING, blocks_check=source.root is None)
