@@ -343,6 +343,31 @@ def test_an_impossible_link_is_judged_with_what_it_is_fixed_to(
     assert (finding.message_id, finding.severity) == (message, severity)
 
 
+@pytest.mark.parametrize(
+    ("part", "readme", "targets", "severity"),
+    [
+        ("", "", (), Severity.ERROR),
+        ("<gazebo/>", "", (), Severity.WARNING),
+        ("<gazebo/>", "compile arm.urdf with MuJoCo", (), Severity.ERROR),
+        ("<gazebo/><mujoco/>", "", (), Severity.ERROR),
+        ("<gazebo/>", "", ("drake",), Severity.ERROR),
+        (
+            "<gazebo reference='cover_joint'><preserveFixedJoint>true</preserveFixedJoint></gazebo>",
+            "",
+            (),
+            Severity.ERROR,
+        ),
+    ],
+)
+def test_an_impossible_link_that_gazebo_alone_reads_and_merges_is_a_warning(
+    tmp_path: Path, part: str, readme: str, targets: tuple[str, ...], severity: Severity
+) -> None:
+    (tmp_path / "README.md").write_text(readme)
+    text = make_arm(SOUND, more=fixed("cover", impossible("0.1", "0.01", "0.1")) + part)
+    (finding,) = check_text(tmp_path, text, codes={"INR003"}, targets=targets).findings
+    assert finding.severity is severity
+
+
 @pytest.mark.parametrize("code", ["INR003", "INR004"])
 @pytest.mark.parametrize("mass", ["0.1", "0.0005"])
 @pytest.mark.parametrize("flag", ["preserveFixedJoint", "disableFixedJointLumping"])
@@ -356,7 +381,8 @@ def test_gazebo_checks_a_link_alone_whose_fixed_joint_it_keeps(tmp_path: Path, c
         block = f'<gazebo reference="{kept}"><{flag}>true</{flag}></gazebo>'
         (finding,) = find(tmp_path / kept, make_arm(SOUND, more=bracket + block), code)
         assert finding.consequences["gazebo"].startswith(effect)
-        is_error = kept == name or mass == "0.1"  # a lighter one changes nothing where it is merged
+        # A lighter one changes nothing where it is merged, and an impossible one is for MuJoCo and Drake to refuse.
+        is_error = kept == name or (mass == "0.1" and code == "INR004")
         assert finding.severity is (Severity.ERROR if is_error else Severity.WARNING)
 
 

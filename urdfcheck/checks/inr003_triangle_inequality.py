@@ -14,6 +14,7 @@ from urdfcheck.facts.small_matrices import compute_excess
 from urdfcheck.model import DeclaredTensor, Model
 from urdfcheck.model.fixed_joint_lumping import predict_gazebo
 from urdfcheck.model.rigid_bodies import find_merged_body, is_point_mass, is_world_link
+from urdfcheck.model.use.other_programs import is_only_for_gazebo
 from urdfcheck.source.text.engine_reactions import has_mujoco_option
 from urdfcheck.source.text.handed_values import find_typed_value
 
@@ -96,12 +97,15 @@ def _check_each_link(model: Model, rule: Rule, *, rel_tol: float, rounding: floa
         repair = propose_repair(model, declared.link)
         is_filled = repair.cause == "products_filled"
         # Rounding of next to nothing, which Gazebo does not mind, is not worth more than a light helper.
-        is_lost = message == "fused" and whole is not None and whole.tensor_is_negligible and gazebo == GAZEBO_MERGES
+        is_merged = message == "fused" and gazebo == GAZEBO_MERGES
+        is_lost = is_merged and whole is not None and whole.tensor_is_negligible and repair.cause == "digits"
         data |= {"slips": ""} if repair.is_located or repair.cause else {}
         yield rule.finding(
             message,
             at=declared.element,
-            severity=Severity.WARNING if ignored or (is_lost and repair.cause == "digits") else None,
+            severity=Severity.WARNING
+            if ignored or is_lost or (is_merged and not model.targets and is_only_for_gazebo(model))
+            else None,
             consequences={"gazebo": gazebo} | ignored,
             cause=repair.cause,
             edits=repair.edits,

@@ -9,7 +9,7 @@ from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
-from urdfcheck.model.use.simulators import has_elements
+from urdfcheck.model.use.simulators import GAZEBO, has_elements
 from urdfcheck.source.package.package_folders import drop_comments, read_package_texts
 from urdfcheck.source.uses_elsewhere import CALLER_SUFFIXES, iter_project_files
 
@@ -20,6 +20,8 @@ _ROS_CONTROL = re.compile(
 # Programs that draw a COLLADA file as if it were in metres, in manifests and scripts.
 _UNITLESS = re.compile(r"pinocchio|trimesh|yourdfpy|urdfpy|yourdf|mujoco|isaac|pydrake|\bdrake\b|newton", re.IGNORECASE)
 _BULLET = re.compile(r"pybullet")
+# Programs that check the inertia of each link by itself, or replace it, and do not know that a fixed joint hides what is wrong.
+_LINKWISE = re.compile(r"mujoco|\bdrake\b|pydrake|pybullet|bullet3|isaac", re.IGNORECASE)
 # What has Bullet read the inertias of a file, and other programs that read them.
 _OTHER_INERTIA = re.compile(r"URDF_USE_INERTIA_FROM_FILE|gazebo|ros_gz|mujoco|pydrake|isaac|pinocchio", re.IGNORECASE)
 # Programs other than Bullet that read URDF, and what has ROS read it; PyBullet itself has a parser of Gazebo's worlds.
@@ -111,6 +113,17 @@ def names_bullet(model: Model) -> bool:
     """Whether a file of the model's package, or of one that depends on it, names PyBullet; without a package, one of the
     project."""
     return any(map(_BULLET.search, _list_texts_around(model)))
+
+
+def is_only_for_gazebo(model: Model) -> bool:
+    """Whether the robot is for Gazebo, as its elements or a file of its package, or of one that depends on it, say, and no file
+    of the project, its README included, names a program that checks the inertia of each link by itself."""
+    robot = model.robot
+    is_for_gazebo = robot.find_child("gazebo") is not None or any(map(GAZEBO.search, list_project_texts(model)))
+    if not is_for_gazebo or robot.find_child("mujoco") is not None:
+        return False
+    texts = iter_project_files(model.source, (*CALLER_SUFFIXES, "package.xml", ".md"))
+    return not any(_LINKWISE.search(drop_comments(text)) for _, text in texts)
 
 
 def is_weighed_by_bullet(model: Model) -> bool:
