@@ -687,6 +687,21 @@ def test_fingers_that_are_drawn_half_a_turn_apart_are_opposite_in_two_coordinate
     assert [finding.message_id for finding in found] == ["diagonal"] * count
 
 
+@pytest.mark.parametrize(("turn", "count"), [("0", 1), ("3.14159265", 0)])
+def test_fingers_whose_meshes_are_lacking_are_in_one_place_where_they_are_drawn_alike(
+    tmp_path: Path, turn: str, count: int
+) -> None:
+    mesh = "<visual><origin rpy='0 0 {}'/><geometry><mesh filename='finger.obj'/></geometry></visual>"
+    parts = [
+        f"<link name='{side}_part'><inertial><origin xyz='0 0 0.05'/><mass value='0.1'/>"
+        f"<inertia ixx='1e-3' ixy='0' ixz='0' iyy='1e-3' iyz='0' izz='1e-3'/></inertial>{mesh.format(angle)}</link>"
+        + joint(f"{side}_joint", "base", f"{side}_part", LIMIT, kind="prismatic", xyz="0 0 0.1", axis="0 1 0")
+        for side, angle in (("left", "0"), ("right", turn))
+    ]
+    found = find_slips(tmp_path, f'<robot name="r"><link name="base"/>{"".join(parts)}</robot>')
+    assert [finding.message_id for finding in found] == ["coincident"] * count
+
+
 @pytest.mark.parametrize(
     ("kind", "xyz", "severity", "words"),
     [

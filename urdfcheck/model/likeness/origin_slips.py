@@ -401,7 +401,7 @@ def _strip_place(name: str) -> tuple[str, ...]:
 def _is_one_body(model: Model, one: str, other: str) -> bool:
     """Whether two links have one mass and draw one part, one inside the other.
 
-    Where what they draw is not known, their frames and COMs have to be the same.
+    Where what they draw is not known, their frames and COMs have to be the same, and the places of what they draw.
     """
     bodies = [read_declared_inertial(model.link_by_name[name]) for name in (one, other)]
     masses = [body.mass for body in bodies if body is not None]
@@ -411,7 +411,8 @@ def _is_one_body(model: Model, one: str, other: str) -> bool:
     if first is None or second is None:
         coms = [np.round(body.com, 6).tolist() for body in bodies if body is not None]
         same = np.allclose(model.frames[one], model.frames[other], rtol=0, atol=1e-6)
-        return first is second and bool(same) and coms[0] == coms[1]
+        drawn = [[shape.origin.placement for shape in model.link_by_name[name].visuals] for name in (one, other)]
+        return first is second and bool(same) and coms[0] == coms[1] and drawn[0] == drawn[1]
     centres = compute_centroid(model, one), compute_centroid(model, other)
     assert centres[0] is not None
     assert centres[1] is not None
