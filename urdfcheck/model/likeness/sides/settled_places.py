@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 # Drawings that are so many times nearer to mirror images than the frames of their joints show where the parts are (chosen).
 _NEARER = 5.0
+# Neighbours that are so many times nearer to mirror images than namesakes are the true pairs (chosen).
+_NEIGHBOURS_NEARER = 20.0
 # So many other pairs are drawn on both sides of one plane before it is the robot's.
 _WITNESSES = 2
 
@@ -81,10 +83,10 @@ def _is_crossed(model: Model, pair: MirrorPair, pairs: Sequence[MirrorPair]) -> 
         for one, other in ((near.one, near.other), (near.other, near.one)):
             if _hang_together(joints[pair.one], joints[one]) and _hang_together(joints[pair.other], joints[other]):
                 crossed = (pair.one, other), (pair.other, one)
-                return all(_is_mirrored(model, pair.plane, *names) for names in crossed)
+                return _are_mirrored(model, pair, *crossed)
     ends = ((pair.one, pair.other), (pair.other, pair.one))
     return joints[pair.one].parent != joints[pair.other].parent and all(
-        any(_is_mirrored(model, pair.plane, name, near) for near in _list_neighbours(model, other))
+        any(_are_mirrored(model, pair, (name, near)) for near in _list_neighbours(model, other))
         for name, other in ends
     )
 
@@ -99,6 +101,12 @@ def _hang_together(one: Joint, other: Joint) -> bool:
     return one.parent == other.parent and one.type == other.type
 
 
-def _is_mirrored(model: Model, plane: MirrorPlane, one: str, other: str) -> bool:
-    places = [model.frames[name][:3, 3] for name in (one, other)]
-    return float(np.linalg.norm(plane.reflect_points(places[0]) - places[1])) <= PLACE
+def _are_mirrored(model: Model, pair: MirrorPair, *crossed: tuple[str, str]) -> bool:
+    """Whether the links of each ``crossed`` pair are mirror images, exactly or far more nearly than those of the pair itself."""
+
+    def measure_offset(one: str, other: str) -> float:
+        places = [model.frames[name][:3, 3] for name in (one, other)]
+        return float(np.linalg.norm(pair.plane.reflect_points(places[0]) - places[1]))
+
+    slack = max(PLACE, measure_offset(pair.one, pair.other) / _NEIGHBOURS_NEARER)
+    return all(measure_offset(*names) <= slack for names in crossed)
