@@ -599,14 +599,16 @@ def test_a_mirroring_scale_turns_it_the_right_way_out(tmp_path: Path) -> None:
         (("visual",), "0.025 0.025 0.025", Severity.INFO),
         (("visual",), "0.03 0.03 0.03", Severity.WARNING),
         (("visual", "collision"), "0.01 0.01 0.01", Severity.WARNING),
+        (("collision",), "1 1 1", Severity.INFO),
     ],
 )
-def test_a_small_part_that_is_only_drawn_is_an_info(
+def test_a_small_part_that_is_only_drawn_and_one_that_is_not_drawn_are_infos(
     tmp_path: Path, shapes: tuple[str, ...], scale: str, severity: Severity
 ) -> None:
     drawn = "".join(shape(role, scale=scale) for role in shapes)
     (finding,) = find_in_mesh(tmp_path, "MSH004", INSIDE_OUT, drawn)
     assert finding.severity is severity
+    assert ("dark" in finding.consequences["rviz"]) == ("visual" in shapes)
 
 
 def test_all_files_that_one_line_of_a_macro_names_are_told(tmp_path: Path) -> None:
@@ -999,6 +1001,33 @@ def test_how_many_triangles_may_collide(tmp_path: Path, limit: int, reported: bo
     findings = find_in_mesh(tmp_path, "MSH009", CLOSED, *links, options={"MSH009": {"triangles": limit}})
     assert [(f.data["triangles"], len(f.related)) for f in findings] == ([(4, 1)] if reported else [])
     assert [f.headline for f in findings] == (["l0: collision mesh has 4 triangles (limit 3)"] if reported else [])
+
+
+@pytest.mark.parametrize(
+    ("user", "manifest", "severity"),
+    [
+        ("", "", Severity.WARNING),
+        ("rviz2", "", Severity.INFO),
+        ("moveit_ros_move_group", "", Severity.WARNING),
+        ("rviz2", "gazebo_ros", Severity.WARNING),
+    ],
+)
+def test_many_triangles_are_an_info_where_the_users_of_a_description_never_collide(
+    tmp_path: Path, user: str, manifest: str, severity: Severity
+) -> None:
+    files = {
+        "arm/package.xml": f"<package><name>arm</name><depend>{manifest}</depend></package>",
+        "arm/arm.urdf": robot(link("l", shape("collision"))),
+        "arm/part.obj": CLOSED,
+    }
+    if user:
+        files["bringup/package.xml"] = f"<package><name>bringup</name><exec_depend>{user}</exec_depend></package>"
+        files["bringup/show.launch"] = (
+            '<launch><param name="robot_description" textfile="$(find arm)/arm.urdf"/></launch>'
+        )
+        files[".git/config"] = ""
+    (finding,) = find(tmp_path, files, "MSH009", name="arm/arm.urdf", options={"MSH009": {"triangles": 1}})
+    assert finding.severity is severity
 
 
 @pytest.mark.parametrize(("step", "advice"), [(0, "export one part per link: 3 links"), (1, "use a copy decimated")])

@@ -13,6 +13,7 @@ from urdfcheck.core.text import join_names
 from urdfcheck.model import Model
 from urdfcheck.model.meshes import MeshUse
 from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.use.scenery import scenery_links
 
 if TYPE_CHECKING:
     from urdfcheck.facts.mesh.measure import MeshFacts
@@ -25,6 +26,8 @@ _TURN_EACH = (
     "let the mesh editor turn each body outwards (Blender: Mesh, Normals, Recalculate Outside) and export again: others of "
     "the same mesh face outwards already"
 )
+# What programs do where no shape with the mesh is drawn.
+_UNDRAWN = {"gazebo": "loads it; automatic inertia from the mesh is negative", "rviz": "loads it"}
 
 
 def check(model: Model, rule: Rule) -> Iterator[Finding]:
@@ -40,11 +43,14 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             files.setdefault(place.span or place.subject, []).append((upright, facts))
     for group in files.values():
         (first, facts), *others = group
+        is_slight = bool(scenery_links(model)) or all(itertools.starmap(_is_small_drawing, group))
+        is_drawn = any(use.shape.role == "visual" for upright, _ in group for use in upright)
         finding = rule.finding(
             "inside_out",
             at=first[0].filename,
             related=[use.filename for upright, _ in group for use in upright[1:]],
-            severity=Severity.INFO if all(itertools.starmap(_is_small_drawing, group)) else None,
+            severity=Severity.INFO if is_slight or not is_drawn else None,
+            consequences=None if is_drawn else _UNDRAWN,
             which=_describe_bodies(facts),
             repair=_TURN_EACH if any(facts.has_mixed_orientation for _, facts in group) else _TURN_ALL,
             mesh=first[0].filename.value,

@@ -12,7 +12,8 @@ from urdfcheck.model.rigid_bodies import list_rigid_bodies
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, SIMULATOR, has_elements, is_simulated
-from urdfcheck.source.uses_elsewhere import MODEL_FILE, read_includers
+from urdfcheck.source.package.package_folders import drop_comments
+from urdfcheck.source.uses_elsewhere import CALLER_SUFFIXES, MODEL_FILE, iter_project_files, read_includers
 
 # Programs that compute with masses without being simulators, in launch files and scripts. KDL's kinematics for MoveIt do not.
 _DYNAMICS = re.compile(
@@ -107,6 +108,21 @@ def is_checked_for_collisions(model: Model) -> bool:
     """Whether a file of the model's package, or of one that depends on it, names a program that checks a robot for collisions
     with itself."""
     return any(map(_COLLISION_CHECKER.search, list_project_texts(model)))
+
+
+def is_never_collided(model: Model) -> bool:
+    """Whether a file of the project outside the model's package names that package, and no file of the project names a simulator
+    or a program that checks for collisions. Of a description alone, nobody knows who uses it."""
+    package = model.source.package
+    if package is None or is_simulated(model) or is_checked_for_collisions(model):
+        return False
+    own, is_used = compile_names((package.name,)), False
+    for path, text in iter_project_files(model.source, (*CALLER_SUFFIXES, "package.xml")):
+        told = drop_comments(text)
+        if GAZEBO.search(told) or SIMULATOR.search(told) or _COLLISION_CHECKER.search(told):
+            return False
+        is_used |= package.path not in path.parents and own.search(told) is not None
+    return is_used
 
 
 def _list_moving_links(model: Model) -> list[Link]:

@@ -86,8 +86,7 @@ def _is_crossed(model: Model, pair: MirrorPair, pairs: Sequence[MirrorPair]) -> 
                 return _are_mirrored(model, pair, *crossed)
     ends = ((pair.one, pair.other), (pair.other, pair.one))
     return joints[pair.one].parent != joints[pair.other].parent and all(
-        any(_are_mirrored(model, pair, (name, near)) for near in _list_neighbours(model, other))
-        for name, other in ends
+        any(_are_mirrored(model, pair, (name, near)) for near in _list_neighbours(model, other)) for name, other in ends
     )
 
 
