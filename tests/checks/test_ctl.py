@@ -213,6 +213,31 @@ def test_the_file_that_the_robot_names_has_nothing_of_it(tmp_path: Path) -> None
     assert finding.location.subject == "yaml[wheels_controller]"
 
 
+@pytest.mark.parametrize(("launched", "severity"), [(False, Severity.WARNING), (True, Severity.ERROR)])
+def test_a_file_that_fits_another_robot_is_right_for_that_one(
+    tmp_path: Path, launched: bool, severity: Severity
+) -> None:
+    arm = '<ros2_control name="arm" type="system"><joint name="shoulder"/><joint name="elbow"/></ros2_control>'
+    files = {"urdf/arm.xacro": robot(arm, xacro=True), "urdf/old.xacro": robot('<joint name="elbow"/>', xacro=True)}
+    files["launch/a.launch.py"] = "'cart.urdf.xacro'" if launched else ""
+    yaml = group("shoulder", "elbow") + group("shoulder", name="shoulder_controller")
+    (finding,) = find_in_cart(tmp_path, yaml, NAMED, **files)
+    assert (finding.message_id, finding.severity) == ("fits-another", severity)
+    assert finding.location.subject.endswith("/parameters")
+    assert "urdf/arm.xacro (shoulder, elbow)" in finding.message
+
+
+@pytest.mark.parametrize(("interfaces", "message"), [("", "ignored"), ("interfaces: [position], ", "unknown")])
+def test_a_broadcaster_without_interfaces_ignores_its_joints(tmp_path: Path, interfaces: str, message: str) -> None:
+    yaml = (
+        "controller_manager: {ros__parameters: {states: {type: joint_state_broadcaster/JointStateBroadcaster}}}\n"
+        f"states: {{ros__parameters: {{{interfaces}joints: [left_wheel, rigth_wheel]}}}}\n"
+    )
+    (finding,) = find_in_cart(tmp_path, yaml, NAMED)
+    severity = Severity.INFO if message == "ignored" else Severity.ERROR
+    assert (finding.message_id, finding.severity) == (message, severity)
+
+
 def test_a_prefix_that_an_argument_gives_is_no_other_robot(tmp_path: Path) -> None:
     prefixed = AXLES.replace('name="left_wheel"', 'name="$(arg p)left_wheel"')
     files = {"urdf/cart.urdf.xacro": make_cart('<xacro:arg name="p" default="a_"/>' + prefixed + NAMED, axles="")}

@@ -40,7 +40,7 @@ from urdfcheck.source.ros.controllers import Controller, GpioClaim
 from urdfcheck.source.ros.yaml_files import find_yaml_error
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.text.yaml.values import YamlValue
-from urdfcheck.source.uses_elsewhere import CONTAINER_FILE, find_other_includers, is_left_output
+from urdfcheck.source.uses_elsewhere import CONTAINER_FILE, find_other_includers, is_left_output, is_named_nowhere
 from urdfcheck.source.xacro.usage import list_content_arguments
 from urdfcheck.system.files import read_text_or_nothing
 
@@ -302,6 +302,8 @@ def _check_unknown_joints(
         is_left_over = is_unloaded and (named is not None or not hint)
         if is_for_moveit and not hint and (not lacking or _is_virtual(model, name)):
             message, severity = "extra", Severity.INFO
+        elif all(controller.ignores_joints for controller, _ in places):
+            message, severity = "ignored", Severity.INFO
         elif is_left_over:
             message, severity = "left-over", Severity.WARNING if named is None else Severity.INFO
         else:
@@ -410,18 +412,41 @@ def _list_unnamed_joints(model: Model, controller: Controller) -> frozenset[str]
 def _check_foreign_controllers(
     model: Model, rule: Rule, config: AssociatedConfiguration, *, elsewhere: PackageNames
 ) -> Iterator[Finding]:
-    """Report the controllers of another robot, unless other arguments may give this robot's joints their names."""
-    for controller in config.configuration.controllers:
-        names = [joint.text for joint in controller.joints]
-        if not any(elsewhere.can_variants_have("joint", name) for name in names):
-            yield rule.finding(
-                "none",
-                at=controller.key,
-                related=_to_list(config.named_at),
-                controller=controller.name,
-                joints=join_names(names),
-                own=join_names(joint.name for joint in model.joints if joint.is_movable) or "no joint that moves",
-            )
+    """Report the controllers of another robot, unless other arguments may give this robot's joints their names.
+
+    Where another file of the package has all the joints, the controllers fit that one, and the model names a wrong file.
+    """
+    foreign = [
+        controller
+        for controller in config.configuration.controllers
+        if not controller.ignores_joints
+        and not any(elsewhere.can_variants_have("joint", joint.text) for joint in controller.joints)
+    ]
+    own = join_names(joint.name for joint in model.joints if joint.is_movable) or "no joint that moves"
+    names = dict.fromkeys(joint.text for controller in foreign for joint in controller.joints)
+    fitting = elsewhere.find_other_file_with("joint", names) if foreign else None
+    if fitting is not None and config.named_at is not None:
+        yield rule.finding(
+            "fits-another",
+            at=config.named_at,
+            related=[controller.key for controller in foreign],
+            severity=Severity.WARNING if is_named_nowhere(model.source) else None,
+            controllers=join_names(controller.name for controller in foreign),
+            yaml=config.configuration.path.name,
+            fitting=format_path(fitting),
+            joints=join_names(names),
+            own=own,
+        )
+        return
+    for controller in foreign:
+        yield rule.finding(
+            "none",
+            at=controller.key,
+            related=_to_list(config.named_at),
+            controller=controller.name,
+            joints=join_names(joint.text for joint in controller.joints),
+            own=own,
+        )
 
 
 def _check_command_interfaces(model: Model, rule: Rule, config: AssociatedConfiguration) -> Iterator[Finding]:

@@ -7,6 +7,7 @@ xacro with every choice of its arguments. A name counts as unknown only where no
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from functools import cached_property
 from pathlib import Path
 
@@ -67,6 +68,12 @@ class PackageNames:
         """Whether a file that the model itself does not use has a ``kind`` of exactly this name."""
         return name in self._other_names.literal[kind]
 
+    def find_other_file_with(self, kind: str, names: Iterable[str]) -> Path | None:
+        """Return the first of the files that the model itself does not use that has a ``kind`` of each of these names."""
+        wanted = set(names)
+        found = (path for path, text in self._other_texts.items() if wanted <= _DeclaredNames([text]).literal[kind])
+        return next(found, None)
+
     def is_typed_elsewhere(self, kind: str, text: str) -> bool:
         """Whether a file that the model itself does not use types the name of a ``kind`` so, with the same expressions."""
         return text in self._other_names.typed[kind]
@@ -84,7 +91,7 @@ class PackageNames:
 
     @cached_property
     def _all_names(self) -> _DeclaredNames:
-        return _DeclaredNames([file.text for file in self.model.source.files.values()] + self._other_texts)
+        return _DeclaredNames([file.text for file in self.model.source.files.values()] + [*self._other_texts.values()])
 
     @cached_property
     def _model_names(self) -> _DeclaredNames:
@@ -92,21 +99,21 @@ class PackageNames:
 
     @cached_property
     def _other_names(self) -> _DeclaredNames:
-        return _DeclaredNames(self._other_texts)
+        return _DeclaredNames([*self._other_texts.values()])
 
     @cached_property
     def _quoted_words(self) -> frozenset[str]:
         """The words of everything in quotes."""
-        texts = [file.text for file in self.model.source.files.values()] + self._other_texts
+        texts = [file.text for file in self.model.source.files.values()] + [*self._other_texts.values()]
         quoted = (found for text in texts for match in _QUOTED.finditer(text) for found in match.groups("") if found)
         return frozenset(piece for found in quoted for piece in _PIECE.findall(EXPRESSION.sub(" ", found)))
 
     @cached_property
-    def _other_texts(self) -> list[str]:
-        """The texts of the package's other robots and macros; without a package, of those beside the model."""
+    def _other_texts(self) -> dict[Path, str]:
+        """The texts, by path, of the package's other robots and macros; without a package, of those beside the model."""
         source = self.model.source
         folder = source.path.absolute().parent if source.package is None else source.package.path
-        texts: list[str] = []
+        texts: dict[Path, str] = {}
         for here, names, files in walk(folder):
             names[:] = [
                 n for n in names if not n.startswith(".") and n not in BUILD_FOLDERS and source.package is not None
@@ -121,7 +128,7 @@ class PackageNames:
                 if len(texts) == _MOST_FILES:
                     return texts
                 try:
-                    texts.append(read_regular(path, _LARGEST).decode("utf-8", "replace"))
+                    texts[path] = read_regular(path, _LARGEST).decode("utf-8", "replace")
                 except OSError:
                     continue
         return texts

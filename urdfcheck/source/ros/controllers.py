@@ -79,6 +79,11 @@ class Controller:
         return (interfaces[package],) if package in interfaces else ()
 
     @property
+    def ignores_joints(self) -> bool:
+        """Whether it ignores its list of joints: a broadcaster without a list of interfaces publishes all joints."""
+        return self.type.startswith("joint_state_broadcaster/") and not _list_texts(self.parameters.get("interfaces"))
+
+    @property
     def commanded_joints(self) -> tuple[YamlValue, ...]:
         """The joints that it commands: those of ``command_joints`` if it has them."""
         commanded = self.parameters.get("command_joints")
