@@ -50,6 +50,19 @@ def test_an_axis_typed_with_few_digits_is_told_apart_from_a_scaled_one(
     assert [f.severity for f in findings] == ([] if severity is None else [severity])
 
 
+@pytest.mark.parametrize(
+    ("program", "severity"), [("rviz2", Severity.INFO), ("pybullet", Severity.WARNING), (None, Severity.WARNING)]
+)
+def test_an_axis_that_is_not_of_unit_length_matters_to_bullet(
+    tmp_path: Path, program: str | None, severity: Severity
+) -> None:
+    if program is not None:
+        (tmp_path / "package.xml").write_text('<package format="3"><name>arm</name></package>')
+        (tmp_path / "show.launch.py").write_text(f"run('{program}', 'robot.urdf')")
+    (finding,) = find(tmp_path, make_three_links(make_joint(f'<axis xyz="1 1 0"/>{LIMIT}')), "JNT002")
+    assert finding.severity == severity
+
+
 def test_the_normalised_axis_is_written_where_the_axis_is_literal(tmp_path: Path) -> None:
     (finding,) = find(tmp_path, make_three_links(make_joint(f'<axis xyz="0 3 -4"/>{LIMIT}')), "JNT002")
     assert finding.fix is not None

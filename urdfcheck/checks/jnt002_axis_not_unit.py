@@ -9,6 +9,7 @@ from urdfcheck.core import Finding, Rule, Severity
 from urdfcheck.model import Model
 from urdfcheck.model.repairs.edits import edit_literal
 from urdfcheck.model.repairs.number_text import keep_notation
+from urdfcheck.model.use.other_programs import names_bullet
 
 
 def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[Finding]:
@@ -25,7 +26,7 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
         yield rule.finding(
             "rounded" if rounded else "length",
             at=attribute,
-            severity=Severity.INFO if rounded else None,
+            severity=Severity.INFO if rounded or _is_normalised(model) else None,
             related=attribute.collect_definitions(),
             edits=edit_literal(attribute, unit),
             joint=joint.name,
@@ -34,6 +35,11 @@ def check(model: Model, rule: Rule, *, tol: float, rounding: float) -> Iterator[
             excess=length - 1,
             unit=unit,
         )
+
+
+def _is_normalised(model: Model) -> bool:
+    """Whether the programs that load the model are known, and Bullet, which alone does not normalise axes, is none of them."""
+    return model.source.package is not None and not names_bullet(model)
 
 
 def _format_number(value: float) -> str:
