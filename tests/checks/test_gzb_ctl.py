@@ -514,6 +514,7 @@ NEW = '<gazebo><plugin filename="gz-sim-imu-system" name="gz::sim::systems::Imu"
         (block("tip", sensor("imu", "<gz_frame_id>robot1/tip</gz_frame_id>")), []),
         (block("tip", sensor("imu", "<gz_frame_id>tip</gz_frame_id>", PLUGIN)), ["frame-elsewhere"]),
         (block("tip", sensor("imu", "<gz_frame_id>tip</gz_frame_id>", PLUGIN)) + NEW, []),
+        (block("tip", sensor("imu", "<imu><frame_id>somewhere_else</frame_id></imu>")), []),
         (block("tip", sensor("contact", "<plugin filename='p'><frameName>world</frameName></plugin>")), []),
         (block("tip", sensor("imu")) + block("base", sensor("imu")), ["twice"]),
         (block("tip", sensor("imu")) + block("base", sensor("imu", name="t")), []),
@@ -694,6 +695,26 @@ def test_what_a_contact_sensor_watches(tmp_path: Path, reference: str, collision
     assert [[e.replacement for e in f.fix.edits] for f in findings if f.fix is not None] == (
         [] if edit is None else [edit]
     )
+
+
+CLASSIC = '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">{}</plugin></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("plugin", "more", "severity"),
+    [
+        ("", "", Severity.WARNING),  # in the new Gazebo, too
+        ("", CLASSIC, Severity.INFO),
+        ("", CLASSIC.format("<bumper_name>s</bumper_name>"), Severity.WARNING),
+        ('<plugin name="b" filename="libgazebo_ros_bumper.so"/>', CLASSIC, Severity.WARNING),
+    ],
+)
+def test_a_contact_sensor_of_classic_that_no_plugin_reads_is_worth_knowing(
+    tmp_path: Path, plugin: str, more: str, severity: Severity
+) -> None:
+    contact = sensor("contact", "<contact><collision>foo</collision></contact>", plugin)
+    (finding,) = find(tmp_path, robot(MERGED + block("named", contact), more), "GZB004")
+    assert finding.severity == severity
 
 
 def test_a_sensor_that_is_to_watch_a_merged_link_without_a_collision_does_not_get_the_one_around_it(

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from builders import box, collision, find, joint, limit, link, robot, visual
 
+from urdfcheck.core import Severity
 from urdfcheck.model.gazebo import GazeboSensor
 from urdfcheck.model.shapes.sensor_rays import SelfScan
 from urdfcheck.source.text.xml import Element
@@ -68,6 +69,29 @@ def test_a_pose_that_turns_the_scan_off_its_frame_is_the_cause(
     )
     (finding,) = find(tmp_path, robot(link("base"), behind, scan), "GZB009")
     assert finding.message_id == message
+
+
+CLASSIC = '<gazebo><plugin name="d" filename="libgazebo_ros_diff_drive.so">{}</plugin></gazebo>'
+
+
+@pytest.mark.parametrize(
+    ("more", "pitch", "severity", "effect"),
+    [
+        ("", 0.0, Severity.WARNING, "obstacle"),
+        ("", 1.5708, Severity.WARNING, "in place of the floor"),
+        (CLASSIC, 1.5708, Severity.INFO, "no plugin"),
+        (CLASSIC.format("<cliff_sensor_name>scan</cliff_sensor_name>"), 1.5708, Severity.WARNING, "floor"),
+    ],
+)
+def test_what_a_scan_of_the_robot_does_depends_on_what_it_is_for(
+    tmp_path: Path, more: str, pitch: float, severity: Severity, effect: str
+) -> None:
+    plate = joint("mount", "base", "plate", xyz=f"{0.5 if pitch == 0 else 0} 0 {0.0 if pitch == 0 else -0.5}")
+    scan = sensor("ray", low=-0.1, high=0.1, pose=f"<pose>0 0 0 0 {pitch} 0</pose>")
+    parts = (link("base"), plate, link("plate", collision(box("0.1 0.1 0.1"))), scan, more)
+    (finding,) = find(tmp_path, robot(*parts), "GZB009")
+    assert finding.severity == severity
+    assert effect in finding.consequences["gazebo"]
 
 
 def test_a_scan_may_run_backwards(tmp_path: Path) -> None:

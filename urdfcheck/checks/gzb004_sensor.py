@@ -34,7 +34,7 @@ from urdfcheck.model.gazebo import (
     list_sensors,
 )
 from urdfcheck.model.repairs.edits import edit_content, edit_literal, locate_content
-from urdfcheck.model.use.gazebo_starts import is_only_for_classic, loads_system_plugin, names_successor
+from urdfcheck.model.use.gazebo_starts import is_only_for_classic, is_unread, loads_system_plugin, names_successor
 from urdfcheck.model.use.project_texts import list_publishing_texts
 from urdfcheck.source.package.build_files import is_only_of_ros2
 from urdfcheck.source.text.tokens import read_typed_content
@@ -117,6 +117,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         yield rule.finding(
             "collision",
             at=locate_content(element, files),
+            severity=Severity.INFO if is_unread(model, unknown.sensor) else None,
             edits=edit_content(element, names[0], files)
             if len(names) == 1 and other is None and bare is None and not is_shared
             else (),
@@ -179,7 +180,7 @@ def _check_frames(
     # The frame of a sensor of the new Gazebo counts; plugins inside are those of Classic.
     for element in own if own and is_for_new_gazebo(model) else sensor.element.walk():
         frame = element.text.strip().lstrip("/")
-        if element.tag not in _FRAMES or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:
+        if not _names_frame(element) or not frame or frame in _EXTERNAL_FRAMES or frame in model.link_by_name:
             continue
         if any(mark in frame for mark in ("/", "::", "$")):  # of another robot or namespace
             continue
@@ -211,6 +212,12 @@ def _check_frames(
             meant=meant or "",
             repair="" if meant is None else _describe_frame_repair(element, frame, meant, model),
         )
+
+
+def _names_frame(element: Element) -> bool:
+    """Whether something reads an element as the name of a frame: in the settings of an IMU or a lidar nothing does."""
+    inside = "" if element.parent is None else element.parent.tag
+    return element.tag in _FRAMES and (inside in {"sensor", "plugin"} or element.tag == OPTICAL_FRAME_TAG)
 
 
 def _may_get_prefix(model: Model, frame: str) -> bool:

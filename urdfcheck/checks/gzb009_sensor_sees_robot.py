@@ -11,6 +11,7 @@ from urdfcheck.core.text import format_length, join_names
 from urdfcheck.model import Model
 from urdfcheck.model.gazebo import list_sensors
 from urdfcheck.model.parts import locate_geometry
+from urdfcheck.model.use.gazebo_starts import is_unread
 from urdfcheck.model.use.other_programs import names_scan_filter
 
 if TYPE_CHECKING:
@@ -20,6 +21,9 @@ if TYPE_CHECKING:
 _MOST_LEFT_OUT = 0.5
 # m: a sensor that sees nothing so near is no worse for it (chosen); farther, obstacles are lost too.
 _MOST_BLIND = 0.3
+
+_UNREAD = "computes a scan that no plugin of the robot reads"
+_AS_FLOOR = "publishes the robot in place of the floor: no cliff is seen"
 
 
 def check(model: Model, rule: Rule, *, least: float) -> Iterator[Finding]:
@@ -48,11 +52,13 @@ def _build_finding(model: Model, rule: Rule, scan: SelfScan, *, least: float) ->
     is_filtered = names_scan_filter(model)
     within = join_names(dict.fromkeys(seen.link for seen in scan.seen if seen.holds_sensor))
     beyond = scan.farthest + 0.005
+    unread = is_unread(model, scan.sensor)
     return rule.finding(
         "cloud" if scan.layers > 1 else "filtered" if is_filtered else "inside" if within else "sees",
         at=scan.sensor.element,
         related=[locate_geometry(seen.shape) for seen in scan.seen],
-        severity=Severity.INFO if scan.layers > 1 or is_filtered else None,
+        severity=Severity.INFO if scan.layers > 1 or is_filtered or unread else None,
+        consequences={"gazebo": _UNREAD if unread else _AS_FLOOR} if unread or scan.looks_down else None,
         sensor=scan.sensor.name,
         share=scan.share,
         links=join_names(dict.fromkeys(seen.link for seen in scan.seen)),

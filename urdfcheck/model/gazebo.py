@@ -38,6 +38,10 @@ class GazeboSensor:
     def type(self) -> str:
         return self.element.get("type").strip()
 
+    @property
+    def has_plugin(self) -> bool:
+        return any(child.tag == "plugin" for child in self.element.children)
+
 
 def is_held_still(robot: Element) -> bool:
     """Whether Gazebo holds the whole model still: a block without reference says ``<static>``."""

@@ -30,6 +30,8 @@ _MOST_AZIMUTHS, _MOST_LAYERS = 720, 16
 _BESIDE = 1e-4
 # An angle (rad) beyond those of a mount that is aligned: chosen.
 _TURNED = 0.1
+# The upward part of the mean direction of rays that go to the ground: 45° or more below the horizon (chosen).
+_DOWN = -0.7
 # Types of sensors whose rays are rendered, so that they see visuals, and the one whose rays are collided with shapes.
 RENDERED, COLLIDED = frozenset({"gpu_ray", "gpu_lidar", "lidar"}), "ray"
 
@@ -70,6 +72,8 @@ class SelfScan:
     """The shapes that rays meet first."""
     turned: ScanTurn | None = None
     """How the sensor's own pose turns the rays against the frame of its messages, if it does."""
+    looks_down: bool = False
+    """Whether its rays go to the ground, on average: it is to see a cliff."""
 
     @property
     def layers(self) -> int:
@@ -131,7 +135,10 @@ def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
     if least is None or most is None or azimuths is None or elevations is None or sensor.reference not in model.frames:
         return None
     place = model.frames[sensor.reference] @ build_origin_transform(offset[:3], offset[3:])
-    seen = _scan_beside(model, sensor, place, azimuths=azimuths, elevations=elevations, limits=(least, most))
+    seen = replace(
+        _scan_beside(model, sensor, place, azimuths=azimuths, elevations=elevations, limits=(least, most)),
+        looks_down=_look_down(place, azimuths, elevations),
+    )
     frame = _find_frame_link(model, sensor)
     if frame is None or not seen.seen or not any(offset[3:]):
         return seen
@@ -142,6 +149,14 @@ def _scan_with(model: Model, sensor: GazeboSensor) -> SelfScan | None:
         return seen
     other = _scan_beside(model, sensor, straight, azimuths=azimuths, elevations=elevations, limits=(least, most))
     return replace(seen, turned=ScanTurn(frame=frame, angle=angle, straight_share=other.share))
+
+
+def _look_down(place: Array, azimuths: Array, elevations: Array) -> bool:
+    """Whether rays go to the ground on average. ``place``: the pose (4, 4) of their sensor in root coordinates."""
+    from urdfcheck.facts.motion.ray_casting import make_scan_directions
+
+    mean = make_scan_directions(azimuths, elevations).reshape(-1, 3).mean(axis=0)
+    return float(place[2, :3] @ mean) < _DOWN
 
 
 def _find_frame_link(model: Model, sensor: GazeboSensor) -> str | None:

@@ -6,7 +6,7 @@ import re
 
 from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
-from urdfcheck.model.gazebo import is_for_new_gazebo
+from urdfcheck.model.gazebo import GazeboSensor, collect_plugin_texts, is_for_new_gazebo
 from urdfcheck.model.robot import Model
 from urdfcheck.model.use.project_texts import list_project_texts
 from urdfcheck.model.use.simulators import GAZEBO, is_simulated_hardware, names_other_model
@@ -64,6 +64,12 @@ def is_only_for_classic(model: Model) -> bool:
         return False
     plugins = (e for block in model.robot.find_children("gazebo") for e in block.walk() if e.tag == "plugin")
     return any(_CLASSIC_PLUGIN.search(plugin.get("filename")) for plugin in plugins) or starts_classic(model)
+
+
+def is_unread(model: Model, sensor: GazeboSensor) -> bool:
+    """Whether no plugin of the robot is in a sensor or names it, and Classic alone simulates the robot: the new Gazebo publishes
+    the data of each sensor, and Classic leaves that to plugins."""
+    return not sensor.has_plugin and sensor.name not in collect_plugin_texts(model) and is_only_for_classic(model)
 
 
 def loads_system_plugin(model: Model) -> bool:
