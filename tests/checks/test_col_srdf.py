@@ -300,6 +300,20 @@ def test_disabled_in_whatever_way_is_disabled(tmp_path: Path, line: str) -> None
     assert not find_with_srdf(tmp_path, "COL004", NEIGHBOURS + line, make_two_bars(elbow=0.5, more=CAMERA))
 
 
+@pytest.mark.parametrize(("own", "is_missing"), [("true", False), ("false", True)])
+def test_a_description_has_the_arguments_of_the_model(tmp_path: Path, own: str, is_missing: bool) -> None:
+    """A launch file hands both one value: the default of the model counts, and not that of the description."""
+    argument, ns = '<xacro:arg name="camera" default="{}"/>', ' xmlns:xacro="http://www.ros.org/wiki/xacro"'
+    when = '<xacro:if value="$(arg camera)">{}</xacro:if>'
+    inner = argument.format("false") + GROUP + NEIGHBOURS + when.format(pair("fore", "camera", "Always"))
+    (tmp_path / "arm.srdf.xacro").write_text(f'<robot name="arm"{ns}>\n{inner}</robot>')
+    model = make_two_bars(elbow=0.5, more=argument.format(own) + CAMERA).replace('name="arm"', f'name="arm"{ns}', 1)
+    (tmp_path / "arm.urdf.xacro").write_text(model)
+    run = check(tmp_path / "arm.urdf.xacro", codes={"COL004"})
+    assert not run.failures
+    assert bool(run.findings) == is_missing
+
+
 def test_one_that_was_enabled_again_is_missing(tmp_path: Path) -> None:
     line = '<disable_default_collisions link="camera"/><enable_collisions link1="camera" link2="fore"/>'
     assert find_with_srdf(tmp_path, "COL004", NEIGHBOURS + line, make_two_bars(elbow=0.5, more=CAMERA))

@@ -30,7 +30,7 @@ from urdfcheck.source.package.finder import format_path, has_dependency_entry
 from urdfcheck.source.ros.srdf import read_setup_arguments
 from urdfcheck.source.text.values import parse_number
 from urdfcheck.source.text.xml import Element
-from urdfcheck.source.xacro.usage import iter_elements_by_tag
+from urdfcheck.source.xacro.usage import iter_elements_by_tag, read_argument_defaults
 from urdfcheck.system.files import read_text_or_nothing
 
 # What launch files that start Gazebo name: its packages and programs.
@@ -136,7 +136,7 @@ def list_replacing_variants(source: Source) -> tuple[StartedVariant, ...]:
         return ()
     if is_started_with_defaults(source):
         return ()
-    defaults = _read_defaults(source)
+    defaults = read_argument_defaults(source.trees)
     given = [(name, value) for variant in variants for name, value in variant.arguments.items()]
     if any(parse_number(defaults.get(name, "")) is not None and parse_number(value) is None for name, value in given):
         return ()  # `false` may be the same as 0
@@ -184,7 +184,9 @@ def find_replaced_defaults(source: Source, names: Collection[str]) -> dict[str, 
     Each with the first of these files: what it passes is another number, or is computed at launch.
     """
     defaults = {
-        name: number for name, text in _read_defaults(source).items() if (number := parse_number(text)) is not None
+        name: number
+        for name, text in read_argument_defaults(source.trees).items()
+        if (number := parse_number(text)) is not None
     }
     wanted = [name for name in sorted(names) if name in defaults and name not in source.arguments]
     sets = _list_argument_sets(source) if wanted else ()
@@ -233,20 +235,11 @@ def _list_changes(source: Source) -> tuple[tuple[Path, Mapping[str, str]], ...]:
     """Return the files that start a model, each with those arguments that are neither the model's nor its defaults."""
     if not source.is_xacro or source.package is None:
         return ()
-    now = {**_read_defaults(source), **source.arguments}
+    now = {**read_argument_defaults(source.trees), **source.arguments}
     return tuple(
         (starter, {name: value for name, value in passed.items() if name in now and value != now[name]})
         for starter, passed in _list_argument_sets(source)
     )
-
-
-def _read_defaults(source: Source) -> dict[str, str]:
-    """Return the defaults of a model's arguments: of several, xacro takes the first."""
-    found: dict[str, str] = {}
-    for declared in iter_elements_by_tag(source.trees, "xacro:arg"):
-        if "default" in declared.attributes:
-            found.setdefault(declared.get("name"), declared.get("default"))
-    return found
 
 
 @lru_cache(maxsize=1)  # several rules ask, and each launch file is parsed

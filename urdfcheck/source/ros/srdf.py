@@ -19,7 +19,7 @@ from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import COMMENT, Attribute, Element, SourceFile, XmlError, parse_leniently, parse_xml
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
-from urdfcheck.source.xacro.file_contents import has_only_macros
+from urdfcheck.source.xacro.usage import read_argument_defaults
 from urdfcheck.system.files import read_regular, remember_large_folders
 
 # The folders of semantic descriptions in a MoveIt configuration. A description package of several robots may have one beside
@@ -148,7 +148,8 @@ class Srdf:
 
 
 def load_srdfs(source: Source, robot: str) -> tuple[Srdf, ...]:
-    """Load the semantic descriptions in reach whose robot has this name; a ``.srdf.xacro`` with the model's arguments.
+    """Load the semantic descriptions in reach whose robot has this name; a ``.srdf.xacro`` with the model's arguments and their
+    defaults.
 
     They are beside the model, in its package, in packages that depend on it, and in those called ``*_moveit_config`` that do not
     depend on another package with models.
@@ -175,10 +176,24 @@ def _load_all(paths: Iterable[Path], source: Source, robot: str) -> tuple[Srdf, 
     for path in paths:
         real = Path(os.path.realpath(path))
         if real not in srdfs:
-            srdf = load_srdf(path, source.arguments, source.finder, robot=robot, extra_environment=source.environment)
+            srdf = _load_with_arguments(path, source, robot)
             if srdf is not None:
                 srdfs[real] = srdf
     return tuple(sorted(srdfs.values(), key=lambda srdf: srdf.name))
+
+
+def _load_with_arguments(path: Path, source: Source, robot: str) -> Srdf | None:
+    """Load a semantic description with the arguments that the model has, given or by default: launch files hand both one value.
+
+    If that makes none of the robot, its own defaults count.
+    """
+    defaults = read_argument_defaults(source.trees) if source.is_xacro and is_xacro(path) else {}
+    own = {name: value for name, value in defaults.items() if "$" not in value}
+    for arguments in ({**own, **source.arguments}, source.arguments):
+        srdf = load_srdf(path, arguments, source.finder, robot=robot, extra_environment=source.environment)
+        if srdf is not None or not own:
+            return srdf
+    return None
 
 
 def list_srdf_folders(srdfs: Iterable[Srdf]) -> list[Path]:
@@ -343,14 +358,14 @@ def load_srdf(
     root: Element | None = tree
     files: Mapping[str, SourceFile] = {name: file}
     if is_xacro(path):
-        if has_only_macros(tree):
-            return None
         from urdfcheck.source.xacro.expand import expand_xacro
 
         expansion = expand_xacro(path, arguments, finder, extra_environment=extra_environment)
         if any(problem.kind == "time-limit" for problem in expansion.problems):
             raise ModelTimeout  # the time limit is the model's, not the SRDF's: no time is left for anything
         root, files = expansion.root, expansion.files
+        if root is not None and not root.children:
+            return None  # it only defines macros
     if root is None or root.get("name").strip() != robot:
         return None
     return Srdf(path, name, root=root, files=files)

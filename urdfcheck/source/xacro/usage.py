@@ -72,6 +72,15 @@ def iter_elements_by_tag(trees: Mapping[str, Element], tag: str) -> Iterator[Ele
         yield from _group_by_tag(tree).get(tag, ())
 
 
+def read_argument_defaults(trees: Mapping[str, Element]) -> dict[str, str]:
+    """Return the defaults of a model's arguments, as typed: of several, xacro takes the first."""
+    found: dict[str, str] = {}
+    for declared in iter_elements_by_tag(trees, "xacro:arg"):
+        if "default" in declared.attributes:
+            found.setdefault(declared.get("name"), declared.get("default"))
+    return found
+
+
 @tree_fact
 def _group_by_tag(tree: Element) -> dict[str, list[Element]]:
     groups: dict[str, list[Element]] = {}
