@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, collision, joint, limit, link, mesh, robot, visual
+from builders import box, collision, cylinder, joint, limit, link, mesh, robot, visual
 from conftest import check
 
 from urdfcheck.core import Finding, Severity
@@ -319,10 +319,25 @@ def test_one_that_was_enabled_again_is_missing(tmp_path: Path) -> None:
     assert find_with_srdf(tmp_path, "COL004", NEIGHBOURS + line, make_two_bars(elbow=0.5, more=CAMERA))
 
 
-@pytest.mark.parametrize(("height", "reported"), [("0.0549", True), ("0.055", False), ("0.056", False)])
+@pytest.mark.parametrize(
+    ("height", "reported"), [("0.0549", True), ("0.05499999999999", False), ("0.055", False), ("0.056", False)]
+)
 def test_faces_that_only_touch_are_left_alone(tmp_path: Path, height: str, reported: bool) -> None:
     camera = CAMERA.replace("0.3 0 0.04", f"0.3 0 {height}")
     assert bool(find_with_srdf(tmp_path, "COL004", NEIGHBOURS, make_two_bars(elbow=0.5, more=camera))) == reported
+
+
+@pytest.mark.parametrize(("away", "found"), [("0.045", {}), ("0.044", {"COL004": "always"})])
+def test_a_side_along_which_another_turns_only_touches_it(tmp_path: Path, away: str, found: dict[str, str]) -> None:
+    """A cylinder turns beside a box, whose face is in its side: coal finds contact in nearly all states."""
+    bodies = [make_box("base", "0.1 0.1 0.1"), make_box("upper", "0.02 0.02 0.02", "0 0 0.2")]
+    bodies += [link("fore", collision(cylinder(0.03, 0.03))), make_box("camera", "0.01 0.03 0.03")]
+    turning = joint("to_fore", "upper", "fore", limit(-3, 3), kind="revolute", xyz="0 0 -0.065", axis="0 0 1")
+    beside = joint("to_camera", "upper", "camera", xyz=f"{away} 0 -0.065", rpy="0 1.5707963267948966 0")
+    urdf = robot(*bodies, make_hinge("base", "upper", "0 0 0.3", -3, 3), turning, beside, name="arm")
+    for code, line in (("COL004", ""), ("COL003", pair("fore", "camera"))):
+        findings = find_with_srdf(tmp_path, code, NEIGHBOURS + pair("upper", "camera", "Adjacent") + line, urdf)
+        assert [f.message_id for f in findings] == ([found[code]] if code in found else [])
 
 
 def test_what_no_group_moves_is_not_checked_by_moveit(tmp_path: Path) -> None:

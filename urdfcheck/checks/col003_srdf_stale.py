@@ -11,7 +11,7 @@ from urdfcheck.model import Model
 from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
-from urdfcheck.model.motion.moveit_pairs import classify_link_pairs
+from urdfcheck.model.motion.moveit_pairs import classify_link_pairs, find_overlapping_hit
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.source.ros.srdf import Srdf, SrdfPair, is_set_up_for_another
 from urdfcheck.source.text.tokens import build_removal_edits, build_replacement_edits
@@ -111,15 +111,14 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
     srdfs = [srdf for srdf in semantic_descriptions(model) if not is_set_up_for_another(srdf, model.source)]
     if not any(srdf.disabled_pairs for srdf in srdfs):
         return
-    missed: dict[frozenset[str], tuple[CollisionPair, int]] = {}
-    for judged in classify_link_pairs(model):
-        first_hit = judged.pair.first_hit
-        if judged.reason is None and first_hit is not None:
-            missed[frozenset(judged.pair.links)] = judged.pair, first_hit
+    missed = {
+        frozenset(judged.pair.links): judged.pair for judged in classify_link_pairs(model) if judged.reason is None
+    }
     for srdf in srdfs:
         left_out = _list_left_out(model, srdf)
         for reason in REASONS:
-            hidden = [(p, *missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed]
+            disabled = ((p, missed[p.key]) for p in srdf.disabled_pairs if p.reason == reason and p.key in missed)
+            hidden = [(p, pair, hit) for p, pair in disabled if (hit := find_overlapping_hit(model, pair)) is not None]
             hidden.sort(key=lambda item: -item[1].hit_count)
             messages = [_find_message(model, reason, item[1], left_out) for item in hidden]
             for message in dict.fromkeys(sorted(messages, key=(reason.lower(), "left-out", "enclosed").index)):

@@ -9,10 +9,12 @@ from urdfcheck.core.text import compile_names, format_count, join_names
 from urdfcheck.model import Joint, Model
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import (
+    TOUCHING,
     SetupAssistantPair,
     classify_link_pairs,
     do_surfaces_meet_at_default,
     find_moved_links,
+    find_overlapping_hit,
     measure_default_depth,
 )
 from urdfcheck.model.motion.poses import get_sampling_range
@@ -62,7 +64,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
         is_still = not is_always or j.pair.relation == "fixed"
         if depth and is_still and not do_surfaces_meet_at_default(model, j.pair):
             continue
-        if depth != 0.0:  # collision checkers disagree about faces in one plane
+        does_overlap = find_overlapping_hit(model, j.pair) is not None if depth is None else depth > TOUCHING
+        if does_overlap:
             (always if is_always else by_default).append((j, depth))
     is_note = bool(always) and _is_for_other_programs(model, srdf)
     for message, pairs in (("always", always), ("default", by_default)):
