@@ -385,6 +385,52 @@ def test_a_package_released_for_the_other_ros_is_not_to_be_installed(
 
 
 @pytest.mark.parametrize(
+    ("file", "text", "is_known"),
+    [
+        ("README.md", "It uses the robot of the package **big_arm_description**.", True),
+        ("README.md", "cd ~/ws/src/big_arm_description", True),
+        ("README.md", "It uses big_arm_description_2.", False),
+        ("README.md", "# big_arm_description", False),  # the project itself
+        ("README.md", "roslaunch big_arm_description show.launch", False),  # an old name, perhaps
+        ("p/.setup_assistant", "moveit_setup_assistant_config:\n  URDF:\n    package: big_arm_description\n", True),
+        ("p/.setup_assistant", "moveit_setup_assistant_config:\n  urdf:\n    package: small_arm\n", False),
+        ("p/package.xml", "<package><name>p</name><exec_depend>big_arm_control</exec_depend></package>", True),
+        ("p/package.xml", "<package><name>p</name><exec_depend>bigger_control</exec_depend></package>", False),
+    ],
+)
+def test_a_package_that_the_project_names_lacks_a_declaration(
+    tmp_path: Path, file: str, text: str, is_known: bool
+) -> None:
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
+    write(tmp_path, file, text=text)
+    write(tmp_path, "p/urdf/r.urdf.xacro", text=include("big_arm_description", "urdf/arm.xacro"))
+    (finding,) = check(tmp_path / "p/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    wanted = ("expansion-undeclared", Severity.WARNING) if is_known else ("expansion", Severity.ERROR)
+    assert (finding.message_id, finding.severity, finding.blocks_check) == (*wanted, True)
+
+
+@pytest.mark.parametrize("others", [(), ("p/xacro/old/hand.xacro",)])
+def test_the_only_file_of_the_name_in_the_own_package_may_be_meant(tmp_path: Path, others: tuple[str, ...]) -> None:
+    write(tmp_path, "p/package.xml", text="<package><name>p</name></package>")
+    write(tmp_path, "p/xacro/gripper/hand.xacro", *others, text="<robot/>")
+    write(tmp_path, "p/xacro/r.urdf.xacro", text=include("big_arm_description", "xacro/hand.xacro"))
+    (finding,) = check(tmp_path / "p/xacro/r.urdf.xacro", codes={"PKG001"}).findings
+    named = "if xacro/gripper/hand.xacro of p is meant, write `$(find p)/xacro/gripper/hand.xacro`; else "
+    assert get_repair(finding).startswith(named) == (not others)
+
+
+def test_a_file_that_the_build_installs_at_the_path_is_meant(tmp_path: Path) -> None:
+    text = "<package><name>p</name><export><build_type>ament_cmake</build_type></export></package>"
+    write(tmp_path, "p/package.xml", text=text)
+    write(tmp_path, "p/CMakeLists.txt", text="install(DIRECTORY description/urdf DESTINATION share/p)")
+    write(tmp_path, "p/description/urdf/arm.xacro", text="<robot/>")
+    write(tmp_path, "p/description/urdf/r.urdf.xacro", text=include("big_arm", "urdf/arm.xacro"))
+    (finding,) = check(tmp_path / "p/description/urdf/r.urdf.xacro", codes={"PKG001"}).findings
+    assert (finding.message_id, finding.data["near"]) == ("expansion", ["p"])
+
+
+@pytest.mark.parametrize(
     ("file", "line", "is_copied"),
     [
         ("docker/Dockerfile.cart", "COPY docker/files/cart.urdf.xacro /ws/src/cart/urdf/cart.urdf.xacro", True),

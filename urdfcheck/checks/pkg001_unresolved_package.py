@@ -20,6 +20,7 @@ from urdfcheck.source.package.package_folders import is_rosbuild_package, read_p
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import (
     add_checkout,
+    find_naming_text,
     index_files,
     is_in_folder_of_another,
     propose_checkout,
@@ -43,6 +44,8 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import find_dependent, find_dependent_in_project
 from urdfcheck.source.ros.gazebo_paths import GazeboFolder, find_gazebo_folder
 from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path
+from urdfcheck.source.ros.setup_templates import read_setup_package
+from urdfcheck.source.ros.srdf import SETUP_FILE
 from urdfcheck.source.text.engine_reactions import name_lost_shapes
 from urdfcheck.source.text.tokens import locate_text
 from urdfcheck.source.text.values import parse_number
@@ -206,6 +209,9 @@ def _build_finding(
         repair = add_checkout(repair, package, source.finder)
     file_here = included if is_lost and not (inside or clone) else None
     repair = _describe_included_file(file_here, package, owner, repair)
+    is_unknown = not (near or checkout or included or package in released)
+    has_namesake = message in {"expansion", "expansion-undeclared"} and is_unknown
+    repair = _add_namesake(repair, owner, at, source) if has_namesake else repair
     if kind == "expansion" and clone is None:
         skipping = find_skipping_argument(source, at)
         repair += f", or `{format_argument_option(*skipping)}`, which skips this include" if skipping else ""
@@ -296,7 +302,17 @@ def _describe_knowledge(package: str, source: Source, owner: Package | None) -> 
     generation = None if owner is None else read_generation(owner.root)
     if package in read_released_packages():
         return f"a package of this name is released, but not for ROS {generation}"
-    return ""
+    naming = find_naming_text(package, source.finder)
+    if naming is not None:
+        return f"{naming.name} names it"
+    if owner is None:
+        return ""
+    if package == read_setup_package(owner.path):
+        return f"MoveIt's setup assistant was given its model, as {SETUP_FILE} says"
+    family = f"{package.partition('_')[0]}_"
+    siblings = (name for name in sorted(owner.dependencies) if package.startswith(family) and name.startswith(family))
+    sibling = next((name for name in siblings if source.finder.find(name) is None), None)
+    return "" if sibling is None else f"it depends on {sibling}, which is not here either"
 
 
 def _describe_loss(uses: Sequence[ResourceUse], source: Source, gazebo_model: str) -> dict[str, str]:
@@ -417,9 +433,9 @@ def _find_own_include(package: str, owner: Package | None, at: Location, source:
     inside = _read_path_behind(at, source)
     if owner is None or not inside or package in read_released_packages() or at.span is None:
         return []
-    place = owner.path / inside
+    place = source.finder.find_source(owner.path / inside)
     is_itself = os.path.abspath(place) == os.path.abspath(source.files[at.span.file].path)
-    return [owner.name] if not is_itself and _has_all_files(owner.path, [inside], source) else []
+    return [owner.name] if not is_itself and source.finder.can_open(place) and os.path.isfile(place) else []
 
 
 def _has_all_files(folder: Path, files: list[str], source: Source) -> bool:
@@ -541,6 +557,19 @@ def _describe_included_file(found: tuple[Path, str] | None, package: str, owner:
         return f"if {place} is the package, {named}; else {repair}"
     path = Path(os.path.relpath(folder / inside, owner.path)).as_posix()
     return f"if that file is meant, write `$(find {owner.name})/{path}` ({given} checks it as it is); else {repair}"
+
+
+def _add_namesake(repair: str, owner: Package | None, at: Location, source: Source) -> str:
+    """Add to a repair that the package of a file has the only other file of the name that it includes."""
+    name = PurePosixPath(_read_path_behind(at, source)).name
+    if owner is None or not name or at.span is None:
+        return repair
+    itself = os.path.abspath(source.files[at.span.file].path)
+    named = [path for path in index_files([owner.path]).get(name.lower(), []) if os.path.abspath(path) != itself]
+    if len(named) != 1:
+        return repair
+    path = named[0].relative_to(owner.path).as_posix()
+    return f"if {path} of {owner.name} is meant, write `$(find {owner.name})/{path}`; else {repair}"
 
 
 def _is_named_by_checkout(source: Source, folder: Path) -> bool:

@@ -256,6 +256,19 @@ def propose_clone(package: str, finder: PackageFinder) -> str:
     return f"clone its repository, as {file.name} says: `git clone {address}`"
 
 
+def find_naming_text(package: str, finder: PackageFinder) -> Path | None:
+    """Return a text around the start that says how to install, and names a package of several words as one that is needed.
+
+    A heading may name the project itself, and a command that starts a program may have the old name of a package.
+    """
+    if "_" not in package:
+        return None
+    named = re.compile(
+        rf"(?m)^(?![ \t]*#).*(?<![\w-])(?<!launch )(?<!run ){re.escape(package)}(?![\w-])", re.IGNORECASE
+    )
+    return next((file for file, text in _iter_texts_around(_INSTALLING, finder) if named.search(text)), None)
+
+
 def find_empty_folder(package: str, top: Path, finder: PackageFinder) -> Path | None:
     """Return the folder of a package's name in a repository, ``top``, that is empty although its clone has it."""
     submodules = list_missing_submodules(finder)
