@@ -431,6 +431,35 @@ def test_a_file_that_the_build_installs_at_the_path_is_meant(tmp_path: Path) -> 
 
 
 @pytest.mark.parametrize(
+    ("file", "text", "severity", "begin"),
+    [
+        ("README.md", "Download the folder `meshes` and put it there.", Severity.WARNING, "download meshes, as README"),
+        (
+            "README.md",
+            "Download the robot. A folder `meshes` is needed",
+            Severity.WARNING,
+            "download meshes, as README",
+        ),
+        ("README.md", "Download the robot.\nIts folder is `meshes`.", Severity.ERROR, "correct the path"),
+        ("README.md", "Download the folder `textures`.", Severity.ERROR, "correct the path"),
+        ("load.py", "re.sub(r'filename=\"meshes/', f'filename=\"{share}/', text)", Severity.INFO, "nothing if only"),
+        ("load.py", "text.replace('filename=\"meshes/', '')", Severity.INFO, "nothing if only"),
+        ("load.py", "text.replace('filename=\"textures/', '')", Severity.ERROR, "correct the path"),
+        ("load.py", "text.replace('meshes/', '')", Severity.ERROR, "correct the path"),  # of another file, perhaps
+    ],
+)
+def test_a_folder_that_is_downloaded_or_replaced_is_no_error(
+    tmp_path: Path, file: str, text: str, severity: Severity, begin: str
+) -> None:
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, file, text=text)
+    write_model(tmp_path / "robot/arm.urdf", "meshes/a.stl", "meshes/b.stl")
+    (finding,) = check(tmp_path / "robot/arm.urdf", codes={"PKG002"}).findings
+    assert (finding.message_id, finding.severity) == ("folder", severity)
+    assert get_repair(finding).startswith(begin)
+
+
+@pytest.mark.parametrize(
     ("file", "line", "is_copied"),
     [
         ("docker/Dockerfile.cart", "COPY docker/files/cart.urdf.xacro /ws/src/cart/urdf/cart.urdf.xacro", True),

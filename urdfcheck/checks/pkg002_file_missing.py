@@ -29,6 +29,7 @@ from urdfcheck.source.package.similar_files import (
     is_of_variant,
     list_missing_submodules,
     normalise_path,
+    propose_download,
     select_python_data,
     split_folder_words,
 )
@@ -68,6 +69,7 @@ from urdfcheck.source.uses_elsewhere import (
     explain_kept_file,
     find_fetching_script,
     find_filling_script,
+    find_replacing_script,
     is_lost_to_others,
     iter_user_texts,
 )
@@ -294,6 +296,7 @@ def _build_finding(
     other_program, program_repair = ("", "") if is_explained or beside else _explain_by_other_program(gap, source)
     kept = "" if is_explained or beside or other_program else explain_kept_file(source)
     made = "" if is_explained or beside else _describe_making(gap, package, source)
+    download = "" if is_explained or beside or gap.folder is None else propose_download(gap.folder.name, source.finder)
     hint = argued or (
         _describe_place(outside, gap, source)
         if outside
@@ -312,7 +315,7 @@ def _build_finding(
         message,
         at=at,
         related=[*related.values(), *places],
-        severity=Severity.INFO if kept or made or other_program else None,
+        severity=Severity.INFO if kept or made or other_program else Severity.WARNING if download else None,
         edits=[] if mujoco or lacking else _propose_edits(outside, source),
         consequences=describe_missing_uses(gap.uses, source),
         lost=name_lost_shapes(use.attribute.owner for use in gap.uses),
@@ -325,6 +328,7 @@ def _build_finding(
         or repair_beside
         or program_repair
         or made
+        or download
         or _describe_version(gap, source)
         or _describe_placeholder(gap)
         or f"{_REPAIRS[message]}{_describe_ignored(gap)}",
@@ -449,7 +453,7 @@ def _explain_by_other_program(gap: _MissingFiles, source: Source) -> tuple[str, 
             "nothing if only UWSim loads the model; otherwise write the paths of meshes in a format that others read",
         )
     word = _get_first_part(gap)
-    script = find_filling_script(source, word)
+    script = find_filling_script(source, word) or find_replacing_script(source, f'filename="{word}/')
     if script is None:
         return "", ""
     return (

@@ -256,6 +256,16 @@ def propose_clone(package: str, finder: PackageFinder) -> str:
     return f"clone its repository, as {file.name} says: `git clone {address}`"
 
 
+def propose_download(folder: str, finder: PackageFinder) -> str:
+    """Return where it is said that a folder is downloaded, as a repair: a line of a text around the start that says how to
+    install; empty if none does."""
+    said = re.compile(
+        rf"(?mi)^(?=.*\bdownload)(?=.*\b(?:folder|director(?:y|ies))\b).*(?<![\w./-]){re.escape(folder)}(?![\w./-])"
+    )
+    file = next((file for file, text in _iter_texts_around(_INSTALLING, finder) if said.search(text)), None)
+    return "" if file is None else f"download {folder}, as {file.name} says; else correct the path"
+
+
 def find_naming_text(package: str, finder: PackageFinder) -> Path | None:
     """Return a text around the start that says how to install, and names a package of several words as one that is needed.
 
