@@ -215,15 +215,28 @@ class TestModels:
         assert found.fix is not None
         assert found.fix.title.endswith("--allow-read ../other")
 
-    def test_model_that_a_launch_file_names_by_the_place_of_one_machine(self, tmp_path: Path) -> None:
+    @pytest.mark.parametrize(
+        ("place", "repair"),
+        [
+            ("/srv/nowhere/", "where the file is named, write its place in a package"),
+            ("/home/nobody-here/", "write the place of the model in a package, `$(find PACKAGE)/…`; "),
+        ],
+    )
+    def test_model_that_a_launch_file_names_by_the_place_of_one_machine(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, repair: str
+    ) -> None:
         car = package(tmp_path / "car", "car")
-        command = "xacro /home/nobody-here/car/car.urdf.xacro"
+        monkeypatch.chdir(car)
+        (car / "old").mkdir()
+        (car / "old" / "car.urdf.xacro").touch()
+        command = f"xacro {place}car/car.urdf.xacro"
         (car / "car.launch").write_text(f'<launch><param name="robot_description" command="{command}"/></launch>')
-        (found,) = check(car, codes={"XML001"}).findings
+        (found,) = check(Path("car.launch"), codes={"XML001"}).findings
         assert found.fix is not None
-        assert found.fix.title.startswith("where the file is named, write its place in a package")
+        assert found.fix.title.startswith(repair)
+        assert ("old/car.urdf.xacro may be meant" in found.fix.title) == place.startswith("/home")
         assert found.location.span is not None
-        assert Path(found.location.span.file).name == "car.launch"
+        assert found.location.span.file == "car.launch"
 
     def test_the_folder_can_be_allowed(self, tmp_path: Path) -> None:
         (tmp_path / "out").mkdir()

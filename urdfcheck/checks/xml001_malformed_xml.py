@@ -3,18 +3,24 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 from urdfcheck.core import Finding, Rule, Severity
+from urdfcheck.core.text import join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, has_unbound_xacro
-from urdfcheck.source.package.finder import Package, is_kept_aside
+from urdfcheck.source.package.finder import Package, format_path, is_kept_aside
+from urdfcheck.source.package.similar_files import index_files
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.reach import OUT_OF_REACH
 from urdfcheck.source.resources import find_in_named_package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile
+from urdfcheck.system.observing.questions import expand_home
 
 _KINDS = (
     *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
@@ -39,6 +45,7 @@ _REPAIR_OF_UNREACHABLE = (
 _ADDRESSES = {"xacro": "http://www.ros.org/wiki/xacro", "drake": "http://drake.mit.edu"}
 _GAZEBO_ADDRESS = "http://playerstage.sourceforge.net/gazebo/xmlschema/#"
 _PREFIXES_OF_GAZEBO = frozenset({"sensor", "controller", "interface", "model", "body", "geom", "rendering", "physics"})
+_HOME = re.compile(r"/(?:home|Users)/[^/]+/")
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.
@@ -88,7 +95,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 message = "doctype-xacro"
             unread = _REPAIR_OF_UNREADABLE
             if problem.message == OUT_OF_REACH:
-                finding = _report_place_here(source, problem, rule)
+                finding = _report_place_here(source, problem, rule) or _report_other_home(source, problem, rule)
                 if finding is not None:
                     yield finding
                     continue
@@ -122,8 +129,27 @@ def _report_place_here(source: Source, problem: Problem, rule: Rule) -> Finding 
     package, inside = named
     is_ros1 = problem.location.file.endswith(".launch")
     repair = f"write `$(find {package})/{inside}`" if is_ros1 else f"name {inside} by its package {package}"
-    file = source.path.as_posix()
+    file = os.path.abspath(source.path)
     return rule.finding("elsewhere", at=problem.location, file=file, package=package, inside=inside, repair=repair)
+
+
+def _report_other_home(source: Source, problem: Problem, rule: Rule) -> Finding | None:
+    """Report a path that a launch file has in the home of another user: no option of ours makes it right."""
+    file = os.path.abspath(source.path)
+    if problem.location.file == source.name or not _HOME.match(file) or file.startswith(expand_home("~") + os.sep):
+        return None
+    name, project = source.path.name, find_project_folder(Path(problem.location.file).absolute())
+    files = index_files([project])
+    found = [format_path(path) for wanted in (name, f"{name}.xacro") for path in files.get(wanted.lower(), [])]
+    is_ros1 = problem.location.file.endswith(".launch")
+    finding = rule.finding(
+        "machine",
+        at=problem.location,
+        file=file,
+        place="`$(find PACKAGE)/…`" if is_ros1 else "`$(find-pkg-share PACKAGE)/…`",
+        meant=f"; {join_names(found, 2)} may be meant" if found else "",
+    )
+    return finding if is_ros1 else replace(finding, consequences={"ros2_launch": finding.consequences["roslaunch"]})
 
 
 def _describe_declaration(problem: Problem) -> str:
