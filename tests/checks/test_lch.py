@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -459,6 +460,20 @@ def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, se
     assert lch == ([] if message is None else [(message, severity)])
     others = [f.location.span for f in findings if f.code != "LCH001"]
     assert not [span for span in others if span is not None and span.file.endswith(".launch.py")]
+
+
+@pytest.mark.skipif(sys.version_info >= (3, 12), reason="Python reads the file")
+@pytest.mark.parametrize(("end", "message"), [("", "syntax-newer"), ("(", "syntax")])
+def test_an_f_string_with_its_own_quotes_needs_a_newer_python(tmp_path: Path, end: str, message: str) -> None:
+    find_in_package(tmp_path, "", "LCH001")
+    path = tmp_path / "car" / "launch" / "car.launch.py"
+    path.write_text("""f'{d["a"]}'\njoin(d, f"{d["a"]}{d["b"]}", 'urdf/car.urdf')""" + end, encoding="utf-8")
+    run = check(path, codes={"LCH001"})
+    (finding,) = (f for f in run.findings if f.message_id.startswith("syntax"))
+    assert (finding.message_id, finding.severity == Severity.INFO) == (message, message == "syntax-newer")
+    if message == "syntax-newer":
+        assert finding.location.span is not None
+        assert (finding.location.span.line, finding.location.span.col) == (2, 14)
 
 
 @pytest.mark.parametrize(

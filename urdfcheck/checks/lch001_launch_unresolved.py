@@ -123,6 +123,8 @@ def _say_for_ros2(finding: Finding) -> Finding:
     effects = {("ros2_launch" if name == "roslaunch" else name): text for name, text in finding.consequences.items()}
     if finding.message_id == "syntax":  # whether there is a robot in it is unknown
         effects = {"ros2_launch": "refuses the launch file and starts nothing"}
+    elif finding.message_id == "syntax-newer":
+        effects = {"ros2_launch": "refuses the launch file on ROS 2 Humble and starts nothing"}
     elif finding.data.get("kind") == _SRDF:
         effects = {"ros2_launch": "stops or starts everything except MoveIt"}
     return replace(finding, consequences=effects)
@@ -564,9 +566,14 @@ def _choose_trial(path: str, launch: Launch, *, is_model: bool) -> Trial:
 
 def _check_python_launch(launch: Launch, python: PythonLaunch, rule: Rule, *, is_explicit: bool) -> Iterator[Finding]:
     finder = launch.finder
-    if python.syntax_problem is not None:
+    problem = python.syntax_problem
+    if problem is not None:
+        is_newer = problem.kind == "newer"
         yield rule.finding(
-            "syntax", at=python.syntax_problem.location, severity=Severity.WARNING, error=python.syntax_problem.message
+            "syntax-newer" if is_newer else "syntax",
+            at=problem.location,
+            severity=Severity.INFO if is_newer else Severity.WARNING,
+            error=problem.message,
         )
     lost = [
         *(("named", named) for named in python.missing_models),

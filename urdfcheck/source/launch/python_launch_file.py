@@ -43,6 +43,9 @@ MAX_SHOWN = 40
 # Limit on missing launch files that are searched in their whole package.
 MAX_LAUNCHES = 64
 
+# An f-string of one line, which may have its own quotes in its braces.
+_NESTED_TEXT = re.compile(r"""(?<!\w)(f|rf|fr)("|')((?:\{[^{}\n]*\}|(?!\2)[^{}\n])*)\2""", re.IGNORECASE)
+
 
 @dataclass(frozen=True, slots=True)
 class LocatedPath:
@@ -72,7 +75,7 @@ class PythonLaunch:
     description_location: Location | None = None
     """Where it passes robot_description on."""
     syntax_problem: Problem | None = None
-    """Why it cannot be parsed."""
+    """Why it cannot be parsed, or only by a newer Python."""
     read_problem: Problem | None = None
     """Why it cannot be opened."""
 
@@ -104,8 +107,9 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
             if "\ufffd" in file.text:  # Python may refuse the bytes
                 ast.parse(data)
             file = _decode_as_python(file, data)
-            tree = ast.parse(file.text)
-            return PythonLaunchReader(tree, file, path=path, finder=finder).read()
+            tree, newer = _parse(file)
+            found = PythonLaunchReader(tree, file, path=path, finder=finder).read()
+            return found if newer is None else replace(found, syntax_problem=newer)
     except SyntaxError as error:
         at = _find_rest_of_line(file, error.lineno, (error.offset or 1) - 1)
         return PythonLaunch(
@@ -116,6 +120,37 @@ def read_python_launch(path: Path, finder: PackageFinder) -> PythonLaunch:
             file=file,
             syntax_problem=Problem(kind="syntax", message="it is not text, or nested too deeply", location=start),
         )
+
+
+def _parse(file: SourceFile) -> tuple[ast.Module, Problem | None]:
+    """Parse a file, with a problem where only Python since 3.12 can: this Python may be older than that of the file's ROS.
+
+    :raises SyntaxError: if it is not Python.
+    """
+    try:
+        return ast.parse(file.text), None
+    except SyntaxError as error:
+        requoted = _NESTED_TEXT.sub(_requote, file.text)
+        if requoted == file.text:
+            raise
+        try:
+            tree = ast.parse(requoted)
+        except SyntaxError:
+            raise error from None
+        place = next(at for at, (old, new) in enumerate(zip(file.text, requoted, strict=True)) if old != new)
+        problem = Problem(
+            kind="newer",
+            message="an f-string has its own quotes in its braces",
+            location=Location("launch", file.make_span(place, place + 1)),
+        )
+        return tree, problem
+
+
+def _requote(text: re.Match[str]) -> str:
+    """Return an f-string with the other quotes in its braces: the text keeps its length."""
+    quote = text[2]
+    inside = re.sub(r"\{[^{}\n]*\}", lambda field: field[0].replace(quote, "'" if quote == '"' else '"'), text[3])
+    return f"{text[1]}{quote}{inside}{quote}"
 
 
 def _decode_as_python(file: SourceFile, data: bytes) -> SourceFile:
