@@ -242,11 +242,19 @@ def test_a_fixed_joint_may_share_the_name_of_a_link(tmp_path: Path) -> None:
 )
 def test_proposes_a_name_only_where_it_is_a_misspelling(tmp_path: Path, unknown: str, near: str | None) -> None:
     links = "base_link wheel_1 wheel_4 left_arm upper_leg"
-    text = make_tree(links, f"{unknown} wheel_1", "wheel_1 wheel_4", "wheel_1 left_arm", "wheel_1 upper_leg")
+    joints = [f"base_link {link}" for link in links.split()[1:]]
+    text = make_tree(f"{links} horn", f"{unknown} horn", *joints)
     finding = next(f for f in check_text(tmp_path, text, codes={"KIN002"}).findings)
     assert finding.data.get("near") == near
     assert finding.fix is not None
     assert [e.replacement for e in finding.fix.edits] == ([near] if near else [])
+
+
+@pytest.mark.parametrize("joint", ["base_lnk base", "tool base_lnk"])
+def test_proposes_no_name_with_which_the_joint_closes_a_loop(tmp_path: Path, joint: str) -> None:
+    text = make_tree("world base base_link tool", joint, "base base_link", "base_link tool")
+    finding = next(f for f in check_text(tmp_path, text, codes={"KIN002"}).findings)
+    assert finding.message_id == "unknown"
 
 
 def test_a_name_that_a_call_hands_over_may_make_other_names_too(tmp_path: Path) -> None:
@@ -744,7 +752,7 @@ def test_a_body_to_which_a_missing_link_is_fixed_is_not_judged(tmp_path: Path) -
         (robot(link("base"), name="car"), "base", "unknown"),  # a copy that still has the link
         (robot(link("other"), link("arm"), name="car"), "base", "unknown"),
         (robot(link("base"), link("arm"), name="truck"), "base", "unknown"),
-        (robot(link("lazer"), link("arm"), name="car"), "lazer", "near"),
+        (robot(link("lazer"), link("arm"), name="car"), "lazer", "fragment"),  # on itself it would not hang
         ('<robot name="car"', "base", "unknown"),
         (None, "base", "unknown"),
     ],

@@ -72,7 +72,8 @@ def _build_fragment_finding(
     """Report a file whose unknown links are all parents that another model of the same robot has, or to which a program attaches
     it; None if it is not one."""
     attributes = [attribute for places in unknown.values() for _, attribute in places]
-    is_attached = all(a.owner.tag == "parent" and graph.guess_link("parent", a.value) is None for a in attributes)
+    is_attached = all(a.owner.tag == "parent" for a in attributes)
+    is_attached = is_attached and all(_guess_link(graph, meant) is None for meant in unknown.values())
     if not (attributes and is_attached) or _has_root(model, graph):
         return None
     from urdfcheck.model.likeness.whole_models import (
@@ -141,7 +142,7 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         "where": _describe_places(places),
         "consequences": {"yourdfpy": "refuses the file" if is_refused else "loads it"} | _WORLD.get(called, {}),
     }
-    near = graph.guess_link(attributes[0].owner.tag, called)
+    near = _guess_link(graph, places)
     is_shared = _makes_other_names(model, attributes)
     edits = [] if near is None or is_shared else edit_values((attribute, near) for attribute in attributes)
     if edits and not _connects(model, graph, edits):
@@ -191,6 +192,21 @@ def _build_finding(rule: Rule, model: Model, graph: KinematicGraph, places: list
         data["repair"] = f"write `{spell_breaks(near)}`{where}"
         finding = rule.finding("near", at=attributes[0], related=related, edits=edits, near=spell_breaks(near), **data)
     return replace(finding, subjects=tuple(attribute.location.subject for attribute in attributes))
+
+
+def _guess_link(graph: KinematicGraph, places: Sequence[tuple[Joint, Attribute]]) -> str | None:
+    """Return the link that all places that name one unknown link probably mean; none with which a joint would close a loop."""
+    attribute = places[0][1]
+    near = graph.guess_link(attribute.owner.tag, attribute.value)
+    is_wrong = near is not None and any(_closes_loop(graph, joint, at, near) for joint, at in places)
+    return None if is_wrong else near
+
+
+def _closes_loop(graph: KinematicGraph, joint: Joint, attribute: Attribute, near: str) -> bool:
+    """Whether a joint would lead back to a link above it with the link ``near`` instead of an unknown one."""
+    if attribute.owner.tag == "parent":
+        return graph.is_above(joint.child, near)
+    return graph.is_above(near, joint.parent)
 
 
 def _connects(model: Model, graph: KinematicGraph, edits: Sequence[Edit]) -> bool:

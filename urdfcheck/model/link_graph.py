@@ -80,15 +80,24 @@ class KinematicGraph:
             parents[joint.child].append(joint)
         return {name: tuple(joints) for name, joints in parents.items()}
 
+    def is_above(self, upper: str, lower: str) -> bool:
+        """Whether joints lead from one link to another, or both are the same."""
+        return upper in self._find_above(lower)
+
     def find_roots_above(self, link: str) -> list[str]:
         """Return the links without a parent from which joints lead to ``link``, in document order."""
+        parents, above = self.map_parent_joints(), self._find_above(link)
+        return [name for name in self.links if name in above and not parents[name]]
+
+    def _find_above(self, link: str) -> set[str]:
+        """Return a link with all from which joints lead to it."""
         parents = self.map_parent_joints()
         above, waiting = {link}, [link]
         while waiting:
-            found = {joint.parent for joint in parents[waiting.pop()]} - above
+            found = {joint.parent for joint in parents.get(waiting.pop(), ())} - above
             above |= found
             waiting += found
-        return [name for name in self.links if name in above and not parents[name]]
+        return above
 
     def find_components(self) -> list[list[str]]:
         """Return the connected components, each in document order, the largest first (the first of equals)."""
