@@ -26,6 +26,7 @@ from urdfcheck.system.files import read_text_or_nothing
 _PARTS = frozenset({"link", "joint", "material", "gazebo", "transmission", "ros2_control"})
 # The files that Gazebo reads of a folder of its models.
 _MODEL_OF_CONFIG = re.compile(r"<sdf\b[^<>]*>\s*([^<>\s]+)\s*</sdf>")
+_OF_EXTENSION = "move the <gazebo> into the <robot> that it is for, or delete the file if that has it"
 _LARGEST_CONFIG = 100_000
 _SPAWNS_SDF = re.compile(r"(?<![\w-])-sdf(?![\w-])")
 
@@ -45,15 +46,26 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
         return
     if root.tag != "robot":
         # In a xacro, <gazebo> is a block of a robot; the root of old SDF files has the same name.
-        is_block = root.tag == "gazebo" and source.is_xacro
+        is_extension = not source.is_xacro and _is_extension(root)
+        is_block = is_extension or (root.tag == "gazebo" and source.is_xacro)
         is_named_wrong = root.tag == "sdf" and _holds_parts_of_robots(root)
         known = None if is_block or is_named_wrong else FORMATS_BY_ROOT.get(root.tag)
         if known is None and source.root is None and source.is_xacro and only_defines(root):
             return  # whatever its root is: a library, which xacro could not expand (XAC001)
         if known is None and source.root is not None and makes_another_format(source, root):
             return
-        if known is None:
-            yield rule.finding("root", at=root, tag=root.tag, repair=_describe_root_repair(root))
+        if known is None and _is_world_of_sai(root):
+            repair = "nothing if SAI 2 loads it; urdfcheck checks the robots that it names"
+            known = "a world of SAI 2"
+            finding = rule.finding(
+                "format", at=root, severity=Severity.INFO, tag=root.tag, format=known, reader="", repair=repair
+            )
+            yield replace(finding, blocks_check=True)
+        elif known is None:
+            severity = Severity.WARNING if is_extension else None
+            repair = _OF_EXTENSION if is_extension else _describe_root_repair(root)
+            finding = rule.finding("root", at=root, severity=severity, tag=root.tag, repair=repair)
+            yield replace(finding, blocks_check=True) if is_extension else finding
         else:
             edits = build_rename_edits([root], "robot", source.files) if root.tag == "Robot" else ()
             reader = _find_reader_of_sdf(source) if root.tag == "sdf" else _find_reader_of_collada(root)
@@ -81,6 +93,18 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding("unnamed", at=root, severity=_grade_unnamed(source))
     elif not name.value.strip():
         yield rule.finding("empty", at=name, severity=Severity.WARNING)
+
+
+def _is_extension(root: Element) -> bool:
+    """Whether a root is what a URDF has for Gazebo, without the robot."""
+    tags = {child.tag for child in root.children}
+    return root.tag == "gazebo" and "version" not in root.attributes and tags <= {"plugin", "sensor"}
+
+
+def _is_world_of_sai(root: Element) -> bool:
+    """Whether a world names the files of its robots, as those of SAI 2 do."""
+    models = [robot.find_child("model") for robot in root.find_children("robot")]
+    return root.tag == "world" and bool(models) and all(one is not None and one.get("path") for one in models)
 
 
 def _holds_parts_of_robots(root: Element) -> bool:
