@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import field, replace
 from typing import Any
@@ -32,6 +33,8 @@ _EXTENSIONS: Mapping[str, frozenset[str]] = {
     "collision": frozenset({"group", "mask", "concave"}),
 }
 # Nothing reads the axis of these types of joints.
+# A turn that differs from a whole one by less was rounded: 6.2832 is 2 pi.
+_ROUNDED = 1e-4
 _WITHOUT_AXIS = frozenset({"fixed", "floating"})
 
 
@@ -118,10 +121,16 @@ def _classify_attribute(element: Element, attribute: Attribute) -> _UnreadAttrib
     )
     if not homes:
         return _UnreadAttribute(attribute, "ignored", {})
-    neutral = 1.0 if name == "scale" else 0.0
-    if all(parse_number(word) == neutral for word in attribute.value.split()):
+    if all(_is_neutral(name, parse_number(word)) for word in attribute.value.split()):
         return None  # rpy="0 0 0" of an axis, scale="1 1 1" of a box: nothing is lost
     return _UnreadAttribute(attribute, "misplaced", {"homes": " or ".join(f"<{home}>" for home in homes)})
+
+
+def _is_neutral(name: str, number: float | None) -> bool:
+    """Whether a number changes nothing: a scale of 1, a whole turn, or else 0."""
+    if number is None or name == "scale":
+        return number == 1
+    return abs(math.remainder(number, math.tau)) < _ROUNDED if name == "rpy" else number == 0
 
 
 def _build_finding(places: list[_UnreadAttribute], rule: Rule, files: Mapping[str, SourceFile]) -> Finding:

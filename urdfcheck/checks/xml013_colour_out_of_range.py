@@ -43,6 +43,9 @@ def _build_finding(
     better = _scale_to_unit_range(rgba) or _clip_rounding(rgba, rounding)
     places = {a.span: a for a in attributes if a.span is not None}
     text = "" if better is None else join_numbers(better, digits=4, separator=" ")
+    material = attributes[0].owner.parent
+    # urdfdom keeps a material of the robot, with the colour that it begins with.
+    is_of_robot = material is not None and material.parent is not None and material.parent.tag == "robot"
     finding = rule.finding(
         "scaled" if _scale_to_unit_range(rgba) else "outside",
         at=attributes[0],
@@ -52,6 +55,7 @@ def _build_finding(
         rgba=" ".join(attributes[0].value.split()),
         better=text or "each component between 0 and 1" + _guess_point(attributes[0].value),
         times=format_repetition(len(attributes)),
+        consequences={"rviz": "replaces the colour by black"} if is_of_robot else None,
     )
     return replace(finding, subjects=tuple(a.location.subject for a in attributes))
 
