@@ -320,7 +320,21 @@ class TestXML002:
             tmp_path, block.format('xmlns:xacro="http://www.ros.org/wiki/xacro"'), "XML002", "sensors.xacro"
         )
         (old,) = findings(tmp_path, block.format('version="1.0"'), "XML002")
-        assert (part.message_id, old.message_id) == ("root", "format")
+        (plain,) = findings(tmp_path, block.format(""), "XML002")
+        assert (part.message_id, old.message_id, plain.message_id) == ("root", "format", "root")
+        assert (part.severity, old.severity, plain.severity) == (Severity.ERROR, Severity.ERROR, Severity.WARNING)
+
+    @pytest.mark.parametrize(
+        ("inside", "message"),
+        [('<model path="a.urdf"/>', "format"), ('<model name="a"/>', "root"), ('<link name="a"/>', "root")],
+    )
+    def test_a_world_that_names_the_files_of_its_robots_is_none_of_urdf(
+        self, tmp_path: Path, inside: str, message: str
+    ) -> None:
+        text = f'<world name="w"><robot name="r">{inside}</robot></world>'
+        (finding,) = findings(tmp_path, text, "XML002")
+        severity = Severity.INFO if message == "format" else Severity.ERROR
+        assert (finding.message_id, finding.severity) == (message, severity)
 
     @pytest.mark.parametrize(("name", "count"), [("bay.scn.xacro", 0), ("bay.urdf.xacro", 1)])
     def test_xacro_may_make_another_format_unless_the_name_says_urdf(
@@ -580,6 +594,12 @@ class TestXML003:
         assert joint.fix is not None
         assert joint.fix.title == "move it into <joint>, or delete it; b: delete it: <inertial> beside it has its own"
 
+    @pytest.mark.parametrize(("angle", "is_lost"), [("6.283185307", False), ("-6.2832", False), ("3.1416", True)])
+    def test_a_misplaced_whole_turn_loses_nothing(self, tmp_path: Path, angle: str, is_lost: bool) -> None:
+        text = f'''<robot name="r"><link name="a"><visual><geometry><box size="1 1 1" rpy="{angle} 0 0"/></geometry></visual>
+            </link></robot>'''
+        assert bool(findings(tmp_path, text, "XML004")) == is_lost
+
     def test_inertia_in_a_link_is_misplaced_and_not_misspelt(self, tmp_path: Path) -> None:
         (finding,) = findings(tmp_path, '<robot name="r"><link name="a"><inertia ixx="1"/></link></robot>', "XML003")
         assert finding.message_id == "misplaced"
@@ -789,6 +809,24 @@ class TestEncodings:
 
 
 class TestXML005:
+    @pytest.mark.parametrize(
+        ("shapes", "severity"),
+        [
+            ("{box}<collision>{origin}</collision>", Severity.WARNING),
+            ("<visual>{origin}</visual>{wall}", Severity.ERROR),
+            ("<collision>{origin}</collision>{wall}", Severity.ERROR),
+            ("{box}<collision><box size='1 1 1'/></collision>", Severity.ERROR),
+        ],
+    )
+    def test_a_part_without_a_shape_is_a_warning_where_no_shape_is_lost(
+        self, tmp_path: Path, shapes: str, severity: Severity
+    ) -> None:
+        geometry = '<geometry><box size="1 1 1"/></geometry>'
+        box, wall = f"<visual>{geometry}</visual>", f"<collision>{geometry}</collision>"
+        inside = shapes.format(box=box, wall=wall, origin='<origin xyz="0 0 1"/>')
+        (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inside}</link></robot>', "XML005")
+        assert finding.severity == severity
+
     def test_missing_products_are_zero_about_principal_axes(self, tmp_path: Path) -> None:
         inertial = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1"/></inertial>'
         (finding,) = findings(tmp_path, f'<robot name="r"><link name="a">{inertial}</link></robot>', "XML005")
@@ -1184,6 +1222,14 @@ def test_of_two_shapes_under_equal_conditions_none_is_left_over(
 
 
 class TestXML006:
+    @pytest.mark.parametrize(("tag", "severity"), [("visual", Severity.WARNING), ("collision", Severity.ERROR)])
+    def test_what_is_only_drawn_is_a_warning(self, tmp_path: Path, tag: str, severity: Severity) -> None:
+        inside = '<origin xyz="0 0 0"/><geometry><sphere radius="1"/></geometry><origin xyz="0 0 1"/>'
+        (finding,) = findings(
+            tmp_path, f'<robot name="r"><link name="a"><{tag}>{inside}</{tag}></link></robot>', "XML006"
+        )
+        assert finding.severity == severity
+
     def test_elements_of_a_macro_that_differ_in_one_call_are_one_finding(self, tmp_path: Path) -> None:
         text = (
             '<robot name="r" xmlns:xacro="http://www.ros.org/wiki/xacro"><xacro:macro name="m" params="n ixy"><link name="${n}">'
@@ -1281,7 +1327,9 @@ class TestXML006:
     def test_what_there_may_be_one_of(self, tmp_path: Path, link: str, messages: list[str]) -> None:
         found = findings(tmp_path, LINK.format(robot="", link=link), "XML006")
         assert [f.message_id for f in found] == messages
-        assert all((f.severity == Severity.WARNING) == (f.message_id in {"identical", "empty"}) for f in found)
+        is_drawn = link.startswith("<visual>")
+        mild = {"identical", "empty", *(["repeated"] if is_drawn else [])}
+        assert all((f.severity == Severity.WARNING) == (f.message_id in mild) for f in found)
 
     def test_the_empty_one_is_deleted(self, tmp_path: Path) -> None:
         (found,) = findings(
@@ -1495,6 +1543,15 @@ class TestXML011:
 
 
 class TestXML013:
+    @pytest.mark.parametrize("is_of_robot", [True, False])
+    def test_a_material_of_the_robot_stays_and_is_black(self, tmp_path: Path, is_of_robot: bool) -> None:
+        material = '<material name="m"><color rgba="0 0 1.5 1"/></material>'
+        inner = '<material name="m"/>' if is_of_robot else material
+        shape = f"<visual><geometry><sphere radius='1'/></geometry>{inner}</visual>"
+        text = f'<robot name="r">{material if is_of_robot else ""}<link name="a">{shape}</link></robot>'
+        (finding,) = findings(tmp_path, text, "XML013")
+        assert ("black" in finding.consequences["rviz"]) == is_of_robot
+
     @pytest.mark.parametrize(
         ("rgba", "written"),
         [

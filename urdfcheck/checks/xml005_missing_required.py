@@ -95,10 +95,17 @@ def _grade(model: Model, element: Element) -> Severity | None:
 
 
 def _is_placeholder(element: Element) -> bool:
-    """Whether an element is empty, and so is every other shape of its link: the reference parser then has nothing to drop."""
+    """Whether an element holds no shape, and the reference parser has none to drop: it stops at the first part that fails, and
+    reads the visuals of a link before its collisions."""
     if element.tag not in _SHAPED or element.parent is None:
         return False
-    return not any(shape.children or shape.attributes for shape in element.parent.children if shape.tag in _SHAPED)
+    read_later = _SHAPED if element.tag == "visual" else {"collision"}
+    return not any(
+        child.tag != "origin"
+        for shape in element.parent.children
+        if shape.tag in read_later
+        for child in shape.children
+    )
 
 
 def _has_density(element: Element) -> bool:

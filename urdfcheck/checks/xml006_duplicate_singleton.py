@@ -65,6 +65,8 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
     message = "shapes" if element.tag == "geometry" and not identical else message
     is_rest_unread = message == "repeated" and not any(map(_is_read, same[1:]))
     message = "unread" if is_rest_unread else message
+    # A shape that is lost is seen; of another place or colour the robot moves as it is meant.
+    is_only_drawn = message == "repeated" and _is_in_visual(element)
     # urdfdom reads only the first: deleting the others changes nothing there. Of equal ones the innermost macro's is kept, for
     # other calls may have no other.
     kept = max(same, key=lambda one: len(one.via)) if identical else first
@@ -82,7 +84,7 @@ def _build_finding(model: Model, rule: Rule, element: Element, *, same: list[Ele
         at=places[1],
         related=[*dict.fromkeys((places[0], first.location)), *places[2:10]],
         edits=edits if is_certain else (),
-        severity=Severity.WARNING if removed or message == "unread" else None,
+        severity=Severity.WARNING if removed or message == "unread" or is_only_drawn else None,
         consequences=None if message == "shapes" else {"mujoco": _describe_mujoco_behaviour(element, second)},
         parent=_describe_owner(element),
         tag=second.tag,
@@ -155,6 +157,10 @@ def _is_read(element: Element) -> bool:
     held = any(child.tag in known for child in element.children)
     attributes = get_known_attributes(element.tag)
     return held or any(name in attributes or guess_attribute(element, name) for name in element.attributes)
+
+
+def _is_in_visual(element: Element) -> bool:
+    return element.tag == "visual" or (element.parent is not None and _is_in_visual(element.parent))
 
 
 def _is_empty(element: Element) -> bool:
