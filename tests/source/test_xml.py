@@ -325,6 +325,7 @@ def test_nesting_ends_at_a_limit() -> None:
         ('<robot a="é"s b="2"/>', "an attribute value is followed by `s`", 1, 13),
         ('<robot a="é c b="2"/>', "the value of the attribute a lacks its closing quote", 1, 10),
         ('<robot a="1""/>', "followed by an extra quote", 1, 13),
+        ('<?xml verison="1.0"?><robot/>', "the XML declaration cannot say `verison`", 1, 7),
         ('<robot a="1" a="2"/>', "the attribute a occurs twice in one tag", 1, 14),
         ("<robot>é\x01</robot>", "the character U+0001 is not allowed in XML", 1, 9),
         ("<robot>]]></robot>", "text may not contain `]]>`", 1, 8),

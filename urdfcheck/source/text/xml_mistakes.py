@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import itertools
 import re
 from collections.abc import Sequence
@@ -38,6 +39,7 @@ _HALF_OPENER = re.compile(r"<(?:-{1,2}|!-)(?!-)")
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 # The line with which git begins a conflict, and the name of a tag that is followed by what cannot follow it.
 _CONFLICT = re.compile(r"^<{7}(?: |$)", re.MULTILINE)
+_SAID_BY_DECLARATION = ("version", "encoding", "standalone")
 _DECLARATION = re.compile(r"<\?xml\s[^<>]*\?>")
 _TAG = re.compile(r"<[^\s<>/=\"'&!?]")
 _NAMED = re.compile(r"""<([^\s<>/="'&!?]+)\s(?:[^<>]{0,500}?\s)?name\s*=\s*(["'])([^"'<>]*)\2""")
@@ -88,6 +90,7 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
         errors.XML_ERROR_UNDEFINED_ENTITY: _describe_entity,
         errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT: _describe_junk,
         errors.XML_ERROR_MISPLACED_XML_PI: _describe_declaration,
+        errors.XML_ERROR_XML_DECL: _describe_name_in_declaration,
         errors.XML_ERROR_DUPLICATE_ATTRIBUTE: _describe_duplicate,
         errors.XML_ERROR_NO_ELEMENTS: _describe_end_of_file,
         errors.XML_ERROR_UNCLOSED_TOKEN: _describe_unclosed,
@@ -95,6 +98,16 @@ def describe_mistake(text: str, at: int, code: int, opened: list[tuple[str, int]
     }.get(message)
     mistake = None if describe is None else describe(text, at, opened)
     return mistake or XmlMistake(message, at, min(at + 1, len(text)))
+
+
+def _describe_name_in_declaration(text: str, at: int, _opened: list[tuple[str, int]]) -> XmlMistake | None:
+    """Return the name that expat does not know in the XML declaration: ``verison``."""
+    name = _NAME.match(text, at)
+    if name is None or name[0] in _SAID_BY_DECLARATION:
+        return None
+    near = difflib.get_close_matches(name[0].lower(), _SAID_BY_DECLARATION, 1)
+    repair = f"write `{near[0]}`" if near else "delete it"
+    return XmlMistake(f"the XML declaration cannot say `{name[0][:_MOST_SHOWN]}`", at, name.end(), repair)
 
 
 def _describe_token(text: str, at: int, opened: list[tuple[str, int]]) -> XmlMistake | None:
