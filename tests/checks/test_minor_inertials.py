@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from builders import box, cylinder, find, inertial, joint, limit, link, origin, robot, visual
+from builders import box, collision, cylinder, find, inertial, joint, limit, link, origin, robot, visual
 
 from urdfcheck.core import Severity
 
@@ -49,16 +49,17 @@ def test_a_mass_that_is_no_rounding_or_a_tensor_that_rules_its_body_is_felt(
 
 
 @pytest.mark.parametrize(
-    ("axis", "moment", "distance", "note"),
+    ("axis", "moment", "distance", "message"),
     [
-        ("0 1 0", 2e-5, 0.22, True),
-        ("0 1 0", 2e-4, 0.22, False),  # a tenth of the leg's moment
-        ("0 1 0", 2e-5, 0.0, False),  # at the knee itself
-        ("0 0 1", 2e-5, 0.22, False),  # the leg turns about its own length
+        ("0 1 0", 2e-5, 0.22, "absorbed"),
+        ("0 1 0", 2e-4, 0.22, "little"),  # a tenth of the leg's moment
+        ("0 1 0", 1e-3, 0.22, "placeholder"),
+        ("0 1 0", 2e-5, 0.0, "little"),  # at the knee itself
+        ("0 0 1", 2e-5, 0.22, "placeholder"),  # the leg turns about its own length
     ],
 )
 def test_a_toe_adds_its_mass_to_a_leg_and_its_tensor_does_not_count(
-    tmp_path: Path, axis: str, moment: float, distance: float, note: bool
+    tmp_path: Path, axis: str, moment: float, distance: float, message: str
 ) -> None:
     """The rod of a leg has next to no moment about its length, about which no joint turns it."""
     shin = inertial(0.05, com="0 0 0.1", ixx=1.67e-4, iyy=1.67e-4, izz=2e-6)
@@ -70,8 +71,32 @@ def test_a_toe_adds_its_mass_to_a_leg_and_its_tensor_does_not_count(
         joint("end", "shin", "toe", xyz=f"0 0 {distance}"),
     )
     (finding,) = find(tmp_path, text, "INR007")
-    assert (finding.message_id == "absorbed") == note
-    assert (finding.severity is Severity.INFO) == note
+    assert finding.message_id == message
+    assert (finding.severity is Severity.INFO) == (message != "placeholder")
+    assert ("sluggish" in finding.consequences["gazebo"]) == (message == "placeholder")
+
+
+@pytest.mark.parametrize(("moment", "message"), [(0.001, "little"), (0.1, "placeholder")])
+def test_a_joint_that_turns_a_wheel_too_does_not_feel_the_knuckle(tmp_path: Path, moment: float, message: str) -> None:
+    text = robot(
+        HULL,
+        link("knuckle", inertial(0.5, moment), visual(box("0.04 0.03 0.03"))),
+        link("wheel", inertial(1, ixx=0.0036, iyy=0.0054, izz=0.0036), visual(box("0.2 0.05 0.2"))),
+        joint("steer", "hull", "knuckle", limit(lower=-1, upper=1), kind="revolute", axis="0 0 1"),
+        joint("spin", "knuckle", "wheel", kind="continuous", axis="0 1 0"),
+    )
+    found = find(tmp_path, text, "INR007")
+    assert [finding.message_id for finding in found] == [message]
+
+
+def test_what_slides_is_no_body_that_a_placeholder_rules(tmp_path: Path) -> None:
+    finger = link("finger", inertial(0.001, 0.01), visual(box("0.02 0.02 0.02")), collision(box("0.02 0.02 0.02")))
+    severities = [
+        finding.severity
+        for kind in ("revolute", "prismatic")
+        for finding in find(tmp_path, robot(HULL, finger, joint("j", "hull", "finger", OPEN, kind=kind)), "INR007")
+    ]
+    assert severities == [Severity.ERROR, Severity.WARNING]
 
 
 @pytest.mark.parametrize(("mass", "severity"), [("0.001", Severity.INFO), ("0.1", Severity.WARNING)])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -17,7 +18,7 @@ from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.materials import DENSEST, LIGHTEST, is_part_density
 from urdfcheck.facts.inertials.placeholders import describe_placeholder, is_round, is_unknown_mass
 from urdfcheck.model import DeclaredMass, DeclaredTensor, Link, Model
-from urdfcheck.model.inertials.habits.minor_findings import are_absorbed, is_lost, set_lost_aside
+from urdfcheck.model.inertials.habits.minor_findings import are_absorbed, compute_turned_share, is_lost, set_lost_aside
 from urdfcheck.model.inertials.habits.stated_purposes import has_stated_purpose, is_called_negligible
 from urdfcheck.model.inertials.inertial_hull import compute_body_shares, has_negligible_moment, is_massless_frame
 from urdfcheck.model.inertials.proposals.drawn_inertials import is_collision_of_detail, propose_from_geometry
@@ -54,6 +55,8 @@ _FEWEST_MASSES = 3
 _ALONG = 0.9
 # What only carries sensors stands as firmly with so many times its moments, or one part of these (chosen).
 _OF_STAND = 100.0
+# What adds less to all that a joint turns does not make it sluggish (chosen).
+_LITTLE = 0.25
 # A link of at most this mass in kg that nothing is fixed to is the marker of a point. So small a moment in kg m² was chosen for
 # it: it keeps an engine stable, and the rotor of the smallest drive has more.
 _MARKER_MASS, _MARKER_MOMENT = 1e-3, 1e-5
@@ -275,6 +278,7 @@ def _build_tensor_finding(
         is_bolted = all(suspect.declared.link.name in list_unturned_links(model) for suspect in every)
         is_estimate = worst.misfit.factor <= estimate
         is_bodiless = is_untouched(model)
+        turned = math.inf if unknown else compute_turned_share(model, [suspect.declared.link for suspect in known])
         is_absorbed = not unknown and are_absorbed(model, [suspect.declared.link for suspect in known])
         is_stand = worst.misfit.factor <= _OF_STAND and is_sensor_stand(model)
         kinds = {
@@ -284,6 +288,7 @@ def _build_tensor_finding(
             "untouched": is_bodiless,
             "stand": is_stand,
             "absorbed": is_absorbed,
+            "little": turned < _LITTLE,
             "placeholder": is_felt,
         }
         message = next((kind for kind, fits in kinds.items() if fits), "rod")
@@ -295,17 +300,16 @@ def _build_tensor_finding(
             edits=_propose_edits(model, every),
             link=worst.declared.link.name,
             worst="" if len(names) == 1 else f"{worst.declared.link.name}: ",
-            severity=Severity.INFO
-            if is_bolted or is_bodiless or is_stand or is_chosen or is_estimate or is_absorbed
-            else _judge_severity(model, known),
+            severity=Severity.INFO if message not in {"placeholder", "rod"} else _judge_severity(model, known),
             mass=worst.mass,
             factor=float(f"{worst.misfit.factor:.2g}"),
+            turned=100.0 * turned,
             expected=float(f"{worst.misfit.expected:.2g}"),
             less="less" if is_less else "more",
             size="large" if is_less else "small",
             commented=_COMMENTED if all(_has_commented_inertial(model, suspect) for suspect in every) else "",
             consequences=_UNFELT
-            if message in {"untouched", "stand", "absorbed"}
+            if message in {"untouched", "stand", "absorbed", "little"}
             else too_large
             if is_less
             else _TOO_SMALL,
@@ -366,7 +370,10 @@ def _has_commented_inertial(model: Model, suspect: _PlaceholderInertial) -> bool
 
 def _is_vast(model: Model, suspect: _PlaceholderInertial) -> bool:
     """Whether the body would have a thousandth of its inertia with the tensor of the drawn part, if the drawing is that of a part
-    which can weigh as much."""
+    which can weigh as much. What only slides does not count: its joint does not turn it."""
+    joint = model.pieces.parent_joint.get(model.pieces.list_body_links(suspect.declared.link.name)[0])
+    if joint is not None and joint.type == "prismatic":
+        return False
     misfit, drawn = suspect.misfit, measure_link_geometry(model, suspect.declared.link)
     if misfit is None or misfit.is_axial or drawn is None or misfit.expected >= max(suspect.declared.components):
         return False

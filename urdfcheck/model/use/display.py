@@ -112,7 +112,7 @@ def is_checked_for_collisions(model: Model) -> bool:
 
 def is_never_collided(model: Model) -> bool:
     """Whether a file of the project outside the model's package names that package, and no file of the project names a simulator
-    or a program that checks for collisions. Of a description alone, nobody knows who uses it."""
+    or a program that checks for collisions. It is not known who uses a description alone."""
     package = model.source.package
     if package is None or is_simulated(model) or is_checked_for_collisions(model):
         return False

@@ -3,6 +3,7 @@ whatever they say moves nothing, and of links beside which a comment gives the r
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import replace
@@ -101,6 +102,27 @@ def _turns_as_drawn(model: Model, link: Link, wrong: set[str]) -> bool:
     everything = [one.name for one in model.links]
     rest, share = _list_least(model, everything, wrong, numbers[1]), 1.0 / len(wrong)
     return _is_small(change / share, _add_up(rest))
+
+
+def compute_turned_share(model: Model, links: Sequence[Link]) -> float:
+    """Compute the largest share by which the tensors of some links change what a joint turns about its axis, compared with those
+    that the links draw at their masses. Infinite where it is not known, or no joint turns one of them."""
+    wrong, shares = {link.name for link in links}, []
+    try:
+        for link in links:
+            numbers, own = _list_numbers(model, link), []
+            joint, moved = _find_moved_links(model, link.name)
+            while joint is not None and len(numbers) == 2:
+                if joint.type in _TURNING:
+                    place, axis = _place_axis(model, joint)
+                    rest = _compute_moment(_list_least(model, moved, wrong, numbers[1]), place, axis)
+                    change = abs(float(axis @ (numbers[0][2] - numbers[1][2]) @ axis))
+                    own.append(len(wrong & set(moved)) * change / max(rest, 1e-300))
+                joint, moved = _find_moved_links(model, joint.parent)
+            shares.append(max(own, default=math.inf))
+    except FactUnavailableError:
+        return math.inf
+    return max(shares, default=math.inf)
 
 
 def _list_least(
