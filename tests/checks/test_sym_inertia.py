@@ -556,3 +556,17 @@ def test_links_with_the_numbers_of_their_own_collision_shapes_are_right(tmp_path
         collides = collision(box(" ".join(map(str, size))), xyz=" ".join(map(str, com)))
         links[name] = drawn() + collides + own
     assert not [f for f in find_odd_inertia(tmp_path, make_parts_on_base(*FOUR, **links)) if f.message_id == "others"]
+
+
+@pytest.mark.parametrize(
+    ("iyy", "severity"), [("0.0010", Severity.INFO), ("0.0011", Severity.WARNING), ("0.00105", Severity.WARNING)]
+)
+def test_a_unit_of_the_last_decimal_is_no_difference_of_two_parts(tmp_path: Path, iyy: str, severity: Severity) -> None:
+    parts = [link("base", inertial(), visual(box("0.4 0.2 0.1")))]
+    for side, y, moment in (("left", 0.2, "0.0009"), ("right", -0.2, iyy)):
+        for limb, x in (("arm", 0.1), ("leg", -0.1)):
+            numbers = inertial(0.5, ixx=0.0005, iyy=moment if limb == "arm" else "0.0009", izz=0.0010)
+            parts.append(link(f"{side}_{limb}", numbers, visual(box("0.1 0.04 0.02"))))
+            parts.append(joint(f"{side}_{limb}_joint", "base", f"{side}_{limb}", kind="continuous", xyz=f"{x} {y} 0"))
+    (finding,) = find(tmp_path, robot(*parts), "SYM004")
+    assert finding.severity is severity

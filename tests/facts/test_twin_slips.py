@@ -84,6 +84,14 @@ def test_one_coordinate_has_another_point_where_the_others_are_the_twins() -> No
         assert found.is_first == (first is slipped)
 
 
+def test_a_coordinate_near_zero_is_not_that_of_the_other_with_another_point() -> None:
+    near = replace(PART, com=np.array((0.001, 0.0001, -0.06)))
+    assert find_twin_slip(replace(near, com=np.array((0.001, -0.034, -0.06))), near) is None
+    slipped = replace(near, com=np.array((0.001, -0.034, -0.06)))
+    found = find_twin_slip(slipped, replace(near, com=np.array((0.001, 0.0034, -0.06))))
+    assert found is not None
+
+
 def test_the_com_that_is_farther_away_has_the_mistake() -> None:
     lone = replace(PART, com=np.array((0.0, 0.0, -0.2)))
     found = find_slip_between_twins(replace(lone, com=lone.com * 1e3), lone)

@@ -19,7 +19,7 @@ from urdfcheck.facts.inertials.hull_bounds import measure_extent, measure_hull_d
 from urdfcheck.facts.inertials.inertia_tensor import compute_solid_inertia
 from urdfcheck.facts.inertials.inertial_fit import measure_inertial_mismatch
 from urdfcheck.facts.inertials.placeholders import is_round
-from urdfcheck.facts.inertials.twin_slips import TwinSlip, find_rounding
+from urdfcheck.facts.inertials.twin_slips import TwinSlip, differ_by_last_digits, find_rounding
 from urdfcheck.facts.likeness.mirror import (
     InertialDeviation,
     are_alike_when_spun,
@@ -216,6 +216,12 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
     if cause is None and wrong is None and _may_hold_drive(model, pair, both[1].deviation, note):
         return None
     is_unfelt = _is_tensor_unfelt(model, pair, deviation, note)
+    # Tensors of few digits that differ in the last one are those of one part.
+    is_last_digit = (
+        cause is None
+        and max(deviation.mass, deviation.com_offset) <= note
+        and differ_by_last_digits(side.actual, side.expected)
+    )
     # The twin's tensor is wrong too if its products contradict the drawing: then the COM alone can be written.
     barred = [one for one in both if deviation.spread > note and is_tensor_against_drawing(model, one)]
     is_barred = wrong is not None and any(one.link is side.link for one in barred)
@@ -245,7 +251,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         "at": _locate_difference(model, side.link, shown.deviation, note=note),
         "related": [_locate_difference(model, side.twin, shown.deviation, note=note)],
         "cause": cause,
-        "severity": Severity.INFO if is_unfelt else shares.choose_severity(share, pair, cause),
+        "severity": Severity.INFO if is_unfelt or is_last_digit else shares.choose_severity(share, pair, cause),
         "consequences": _describe_consequences(model, pair, deviation, note),
     }
     if wrong is None:
@@ -258,7 +264,7 @@ def _compare_inertials(model: Model, rule: Rule, pair: MirrorPair, *, shares: _S
         if repair in {_COMPUTE_BOTH_COMS, _COMPUTE_BOTH_INERTIALS}:
             # Neither was right before it was copied.
             cause = cause if why.is_slip else None
-            severity = Severity.INFO if is_unfelt else shares.choose_severity(share, pair, cause)
+            severity = Severity.INFO if is_unfelt or is_last_digit else shares.choose_severity(share, pair, cause)
             place |= {"cause": cause, "severity": severity}
             return rule.finding("pair_slight" if is_slight else "both", **place, repair=repair, **data)
         return rule.finding("pair_slight" if is_slight else "pair", **place, repair=repair, **data)

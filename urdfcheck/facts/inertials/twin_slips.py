@@ -25,12 +25,16 @@ if TYPE_CHECKING:
 
 # What three typed digits leave of equal numbers.
 _EQUAL = 0.005
+# What two exports of one part leave of the digits of a coordinate.
+_SAME_DIGITS = 0.05
 # Twins of published robots that differ by less do so for other reasons; a sign or a swap of slots explains that by chance.
 _UNLIKE = 1.2
 # A COM nearer to the frame than this part of the radius of gyration is zero and noise: a power of ten of it shows nothing.
 _NEAR_FRAME = 0.1
 # Half a unit of the last decimal, and what other axes add; and how much of a moment is lost at least.
 _HALF, _LOST = 0.51, 1.05
+# Beside a number, a unit of the last decimal that is less than this share of it is only its rounding (chosen).
+_LITTLE = 0.2
 # Masses that were computed once differ by less.
 _ONE_NUMBER = 1e-6
 # Nobody types more significant digits, and other axes change the ones behind them.
@@ -98,6 +102,14 @@ def find_principal_rounding(coarse: DeclaredInertial, fine: DeclaredInertial) ->
     return make_mistake("rounded", f"{max(0, -round(math.log10(unit)))} decimals")
 
 
+def differ_by_last_digits(one: DeclaredInertial, other: DeclaredInertial) -> bool:
+    """Whether the six numbers of two tensors have one last decimal, and differ, apart from signs, by one unit of it at most,
+    which is little beside the largest: one part, whose numbers were rounded twice."""
+    unit, same = (measure_decimal(_drop_noise(numbers.tensor)) for numbers in (one, other))
+    largest, off = float(np.abs(one.tensor).max()), float(np.abs(np.abs(one.tensor) - np.abs(other.tensor)).max())
+    return unit is not None and unit == same and off <= 2.0 * _HALF * unit < _LITTLE * largest
+
+
 def _measure_lost_decimal(coarse: DeclaredInertial, fine: DeclaredInertial) -> float | None:
     """Measure the last decimal place of the tensor ``coarse``, where its smallest moment has one digit, ``fine`` has more
     decimals, and a moment or the mass differs; None otherwise."""
@@ -133,9 +145,10 @@ def find_twin_slip(wrong: DeclaredInertial, right: DeclaredInertial) -> Mistake 
         # One coordinate more or less explains many distances; a power of ten of all of them does not, nor does one that leaves
         # the coordinates of the other, apart from signs.
         is_scaled = np.linalg.norm(np.cross(numbers.com, wrong.com), axis=1) < 1e-9 * float(wrong.com @ wrong.com)
-        is_same = np.abs(np.abs(numbers.com) - np.abs(right.com)).max(axis=1) <= _EQUAL * float(
-            np.linalg.norm(right.com)
-        )
+        # What was moved has the digits of the other: a coordinate near zero is near that of the other at any power of ten.
+        off, size = np.abs(np.abs(numbers.com) - np.abs(right.com)), float(np.linalg.norm(right.com))
+        changed = np.abs(np.abs(numbers.com) - np.abs(wrong.com)) > 0.0
+        is_same = (off <= np.where(changed, _SAME_DIGITS * np.abs(right.com), _EQUAL * size)).all(axis=1)
         fits &= is_moved & is_near & (is_scaled | is_same)
     elif _measure_ratio(wrong, right) < _UNLIKE:
         return None
