@@ -295,6 +295,14 @@ def test_more_digits_do_not_make_a_box_of_a_line_of_points(tmp_path: Path, size:
     assert finding.consequences["gazebo"].startswith("loads it" if kind == "fixed" else "refuses")
 
 
+@pytest.mark.parametrize(("izz", "message"), [("1.11e-10", "thin"), ("1.4e-10", "rounded")])
+def test_a_moment_of_next_to_nothing_was_not_rounded(tmp_path: Path, izz: str, message: str) -> None:
+    text = make_arm(inertial("0.07", ixx="1.256e-4", iyy="1.256e-4", iyz="1.1787e-7", izz=izz))
+    (finding,) = find(tmp_path, text, "INR003")
+    assert (finding.message_id, finding.severity) == (message, Severity.WARNING)
+    assert ("ten-millionth" in finding.message) == (message == "thin")
+
+
 def test_copies_of_a_fixed_part_are_loaded_by_what_merges_them(tmp_path: Path) -> None:
     rounded = inertial("0.0314", ixx="6.5e-05", ixy="5.1e-05", ixz="-1e-06", iyy="5e-05", iyz="1e-06", izz="0.000103")
     text = make_arm(SOUND, more=fixed("left", rounded) + fixed("right", rounded))

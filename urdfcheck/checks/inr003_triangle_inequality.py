@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 # Where ixx, iyy and izz are in ``ixx ixy ixz iyy iyz izz``.
 _DIAGONAL = (0, 3, 5)
+# The thinnest wire has more of its largest moment about its length: a share that is less was never a moment of a part.
+_WIRE = 1e-7
 # What to look for in numbers that were typed, and in those that the file computes.
 _COPIED = "; in copied numbers look for a lost decimal point or a wrong unit"
 _COMPUTED = ", or correct the formula that computes it"
@@ -167,14 +169,17 @@ def _build_rounded_finding(
             **data,
         )
     thicker = None if repair.message else find_thicker_part(model, declared)
-    if thicker is not None:
+    is_line = not repair.message and declared.moments[0] < _WIRE * declared.moments[2]
+    if thicker is not None or is_line:
         return rule.finding(
             "thin",
             at=declared.element,
             severity=Severity.WARNING,
             consequences=consequences,
-            drawn=join_numbers(thicker, digits=3),
-            remedy=repair.remedy,
+            smallest="a ten-millionth of the largest"
+            if thicker is None
+            else f"a tenth of the drawn part's ({join_numbers(thicker, digits=3)})",
+            remedy="" if thicker is None else repair.remedy,
             comparison=repair.comparison,
             **data,
         )
