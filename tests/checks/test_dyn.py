@@ -306,6 +306,14 @@ def test_impossible_masses_say_nothing_of_a_placeholder(tmp_path: Path) -> None:
     assert finding.fix.title.startswith("check the masses")
 
 
+@pytest.mark.parametrize(("size", "severity"), [("0.01 0.01 0.01", Severity.INFO), ("0.1 0.1 1", Severity.WARNING)])
+def test_a_limit_that_impossible_masses_exceed_is_a_note(tmp_path: Path, size: str, severity: Severity) -> None:
+    head, arm, rest = make_pendulum(1, "").partition('<link name="arm">')
+    drawn = f'<visual><origin xyz="0 0 0.5"/><geometry><box size="{size}"/></geometry></visual></link>'
+    (finding,) = find(tmp_path, head + arm + rest.replace("</link>", drawn, 1), "DYN002")
+    assert (finding.message_id, finding.severity) == ("weak", severity)
+
+
 def test_an_exporters_effort_is_one_finding_at_any_load(tmp_path: Path) -> None:
     lift = '<limit lower="0" upper="1" effort="1" velocity="1"/>'
     slide = (

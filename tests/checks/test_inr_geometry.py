@@ -703,6 +703,17 @@ def test_nothing_is_lighter_than_air(tmp_path: Path, mass: float, light: bool) -
     assert codes(tmp_path, make_arm(Part(mass=mass))) == (["INR010"] if light else [])
 
 
+@pytest.mark.parametrize(("other", "severity"), [(0.01, Severity.INFO), (0.02, Severity.WARNING)])
+def test_one_round_mass_of_all_links_is_told_once(tmp_path: Path, other: float, severity: Severity) -> None:
+    """Nothing of 0.1 m³ weighs 10 g, and what its inertia should be depends on its mass."""
+    parts = [
+        Part(size=(0.5, 0.5, 0.4), mass=mass, tensor=0.001 * np.eye(3)).xml(n)
+        for n, mass in (("a", 0.01), ("b", other))
+    ]
+    found = find(tmp_path, make_chain(*parts), {"INR007", "INR010"})
+    assert {(f.code, f.severity) for f in found} == {("INR010", severity)}
+
+
 def test_a_balloon_is_as_light_as_it_likes(tmp_path: Path) -> None:
     assert codes(tmp_path, make_arm(Part(size=(10.0, 10.0, 10.0), mass=900.0))) == []
 

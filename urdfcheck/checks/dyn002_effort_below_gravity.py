@@ -82,7 +82,8 @@ def check(model: Model, rule: Rule, *, rare: float, far: float, buoyant: float) 
             message = "documented"
         # Only the thrust, which no file states, says what is left for the motors of an arm that propellers hold.
         is_held = message == "weak" and all(carries_rotors(model, one.joint) for one in loads)
-        is_minor = is_held or afloat is not None or message == "documented" or most < rare * model.samples
+        is_of_mass = message == "weak" and _is_load_of_impossible_masses(model, worst_first[0])
+        is_minor = is_held or is_of_mass or afloat is not None or message == "documented" or most < rare * model.samples
         yield _build_overload_finding(
             model,
             rule,

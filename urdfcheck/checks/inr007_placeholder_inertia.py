@@ -202,9 +202,13 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
             if is_unknown_mass(mass, declared.tensor, drawn.solid):
                 return None
             solid = compute_solid_inertia(drawn.solid, mass)
-            if mass < LIGHTEST * drawn.solid.volume and np.trace(declared.tensor) < np.trace(solid):
-                return None  # no material is so light: the drawing is too large, rather than the tensor too small
             misfit = _compare_moments(declared.tensor, solid, allowed)
+            densest = compute_solid_inertia(drawn.solid, DENSEST * drawn.solid.volume)
+            is_possible = np.trace(declared.tensor) < np.trace(densest)
+            if mass < LIGHTEST * drawn.solid.volume and is_possible and not (misfit and misfit.factor <= allowed):
+                return (
+                    None  # no material is so light: the drawing is too large, or the tensor is right for the real mass
+                )
             if misfit is not None and misfit.is_axial:
                 misfit = misfit._replace(is_felt=_turns_about_length(model, declared.link, solid))
             misfits.append(misfit)

@@ -24,7 +24,7 @@ from urdfcheck.model.inertials.inertia_diagnosis import inertial_diagnoses
 from urdfcheck.model.inertials.inertial_hull import NEGLIGIBLE_SHARE, EnclosedInertial, enclosed_inertials
 from urdfcheck.model.motion.fixed_base import is_ballast
 from urdfcheck.model.parts import has_drawn_shape
-from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, list_whole_bodies
+from urdfcheck.model.rigid_bodies import RigidLinkGroup, compute_body_mass, has_one_round_mass, list_whole_bodies
 from urdfcheck.model.shapes.bounds import compute_bounding_box
 from urdfcheck.model.shapes.corners import collect_body_corners
 from urdfcheck.model.shapes.visual_solid import (
@@ -272,7 +272,8 @@ def _check_too_light(
     yield rule.finding(
         "light",
         at=heaviest.attribute,
-        severity=Severity.INFO if _hangs_in_the_air(model, body) else None,
+        # INR007 reports one round mass of all links: no other repair would be right.
+        severity=Severity.INFO if has_one_round_mass(model) or _hangs_in_the_air(model, body) else None,
         link=heaviest.link.name,
         mass=mass,
         volume=float(f"{volume * 1e6:.3g}"),
