@@ -570,3 +570,19 @@ def test_a_unit_of_the_last_decimal_is_no_difference_of_two_parts(tmp_path: Path
             parts.append(joint(f"{side}_{limb}_joint", "base", f"{side}_{limb}", kind="continuous", xyz=f"{x} {y} 0"))
     (finding,) = find(tmp_path, robot(*parts), "SYM004")
     assert finding.severity is severity
+
+
+@pytest.mark.parametrize(("size", "count"), [("0.02 0.02 0.26", 0), ("0.04 0.04 0.26", 1)])
+def test_a_com_in_the_box_with_which_a_link_collides_is_right_where_the_same_box_is_drawn_elsewhere(
+    tmp_path: Path, size: str, count: int
+) -> None:
+    """GEO005 reports the box that is drawn in another place; one of another size may be around more than the part."""
+    parts = [link("base", inertial(), visual(box("0.4 0.2 0.1")))]
+    for side, y, com, place in (("left", 0.2, 0.02, 0.001), ("right", -0.2, -0.02, -0.02)):
+        for limb, x in (("arm", 0.1), ("leg", -0.1)):
+            at = f"0 {com} 0.1"
+            drawn = visual(box("0.02 0.02 0.26"), xyz=f"0 {place if limb == 'arm' else com} 0.1")
+            own = inertial(0.15, 8e-4, com=at, izz=1e-5)
+            parts.append(link(f"{side}_{limb}", own, drawn, collision(box(size), xyz=at)))
+            parts.append(joint(f"{side}_{limb}_joint", "base", f"{side}_{limb}", kind="continuous", xyz=f"{x} {y} 0"))
+    assert len(find(tmp_path, robot(*parts), "SYM004")) == count

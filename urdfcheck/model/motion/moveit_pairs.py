@@ -25,7 +25,7 @@ Reason = Literal["Adjacent", "Default", "Always", "Never"]
 ALWAYS_SHARE = 0.95
 # Collision checkers disagree about faces in one plane (m): FCL, MoveIt's default one, finds no collision there.
 TOUCHING = 1e-6
-# Of the configurations in which two links meet, how many are looked at (chosen).
+# Of the configurations in which two links meet, how many are measured (chosen).
 _MOST_MEASURED = 5
 
 
@@ -74,7 +74,7 @@ def compute_default_state(model: Model) -> JointConfigurations:
 
 def find_overlapping_hit(model: Model, pair: CollisionPair) -> int | None:
     """Find a sampled configuration in which two links overlap, and do not merely touch; None if they do not in most of those that
-    are looked at: coal's depth of faces in one plane is wrong now and then.
+    are measured: coal's depth of faces in one plane is wrong now and then.
 
     :raises FactUnavailableError: when the collisions are not known.
     """

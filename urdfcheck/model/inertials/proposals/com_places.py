@@ -43,7 +43,7 @@ def has_com_of_own_mesh(model: Model, link: Link, actual: DeclaredInertial, expe
     """Whether the ``actual`` COM of a link is that of its visual or of its collision mesh, which the ``expected`` one is not: the
     part has another frame there, or the drawing of another link was copied."""
     for role, shapes in (("visual", link.visuals), ("collision", link.collisions)):
-        if any(shape.mesh_filename is None for shape in shapes):
+        if any(shape.mesh_filename is None for shape in shapes) and not _is_drawn_as_it_collides(link):
             continue  # a box around a part says nothing about its COM
         drawn = measure_role_geometry(model, link, role)
         if drawn is None or not drawn.closed:
@@ -52,3 +52,9 @@ def has_com_of_own_mesh(model: Model, link: Link, actual: DeclaredInertial, expe
         if own <= _OF_MESH * measure_extent(drawn.points) and other > _FARTHER * own:
             return True
     return False
+
+
+def _is_drawn_as_it_collides(link: Link) -> bool:
+    """Whether a link draws the shapes with which it collides, wherever: then they are the part."""
+    drawn, colliding = ([(shape.kind, shape.size) for shape in shapes] for shapes in (link.visuals, link.collisions))
+    return bool(drawn) and drawn == colliding
