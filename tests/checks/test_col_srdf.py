@@ -237,6 +237,20 @@ def test_never_is_believed_where_no_sample_collides(tmp_path: Path) -> None:
     assert not find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"), make_two_bars(elbow=0.5))
 
 
+@pytest.mark.parametrize(
+    ("groups", "severity"),
+    [
+        ('<group name="hand"><joint name="to_upper"/><joint name="to_fore"/></group>', Severity.INFO),
+        ('<group name="hand"><joint name="to_upper"/></group>', Severity.WARNING),
+    ],
+)
+def test_parts_of_an_end_effector_meet_where_it_closes(tmp_path: Path, groups: str, severity: Severity) -> None:
+    """The group ``all`` has both joints too: what the end effector has is of the hand."""
+    hand = '<end_effector name="hand" parent_link="base" group="hand"/>'
+    (finding,) = find_with_srdf(tmp_path, "COL003", groups + hand + pair("base", "fore"))
+    assert (finding.message_id, finding.severity) == ("never", severity)
+
+
 def test_a_collision_is_shown_with_the_joints_that_lead_to_it(tmp_path: Path) -> None:
     (finding,) = find_with_srdf(tmp_path, "COL003", NEIGHBOURS + pair("base", "fore"))
     assert finding.location.subject.startswith("disable_collisions")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
 
 from urdfcheck.core import Applicability, Finding, Rule, Severity
@@ -12,6 +12,7 @@ from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.model.motion.collisions.drawn_hits import is_drawn_apart
 from urdfcheck.model.motion.collisions.self_collisions import CollisionPair, ensure_all_shapes_read, self_collisions
 from urdfcheck.model.motion.moveit_pairs import classify_link_pairs, find_overlapping_hit
+from urdfcheck.model.motion.planning_limits import collect_listed_joints
 from urdfcheck.model.motion.semantic_descriptions import semantic_descriptions
 from urdfcheck.source.ros.srdf import Srdf, SrdfPair, is_set_up_for_another
 from urdfcheck.source.text.tokens import build_removal_edits, build_replacement_edits
@@ -26,6 +27,7 @@ _MEANT = (
     'write reason="User" if the collision is to be ignored on purpose; otherwise correct the collision shapes: without the line '
     "the planner avoids most poses"
 )
+_HAND = 'write reason="User": a hand touches itself where it closes, and MoveIt plans with the joints of an arm'
 _STALE = (
     "delete the line, or regenerate the block (urdfcheck srdf, or Setup Assistant with dense sampling); "
     'write reason="User" where contact is meant, as of fingers'
@@ -123,7 +125,7 @@ def _check_hidden_collisions(model: Model, rule: Rule) -> Iterator[Finding]:
             messages = [_find_message(model, reason, item[1], left_out) for item in hidden]
             for message in dict.fromkeys(sorted(messages, key=(reason.lower(), "left-out", "enclosed").index)):
                 group = [item for item, own in zip(hidden, messages, strict=True) if own == message]
-                yield _build_hidden_finding(model, rule, group, message)
+                yield _build_hidden_finding(model, rule, srdf, group, message)
     ensure_all_shapes_read(self_collisions(model))
 
 
@@ -144,26 +146,36 @@ def _list_left_out(model: Model, srdf: Srdf) -> set[str]:
 
 
 def _build_hidden_finding(
-    model: Model, rule: Rule, hidden: Sequence[tuple[SrdfPair, CollisionPair, int]], message: str
+    model: Model, rule: Rule, srdf: Srdf, hidden: Sequence[tuple[SrdfPair, CollisionPair, int]], message: str
 ) -> Finding:
     """Report disabled pairs with one reason, at the first of them; with each its first sampled collision."""
     (worst, pair, first_hit), more = hidden[0], [disabled for disabled, _, _ in hidden[1:]]
     pose = self_collisions(model).poses.to_values_by_name(first_hit)
     between = _select_joints_between(model, pair, pose)
+    is_of_hand = all(_are_of_hand(model, srdf, _select_joints_between(model, p, pose)) for _, p, _ in hidden)
     return rule.finding(
         message,
         at=worst.element,
         related=[disabled.element for disabled in more],
-        severity=None if message == "never" else Severity.INFO,
+        severity=None if message == "never" and not is_of_hand else Severity.INFO,
         first=worst.links[0],
         second=worst.links[1],
         hits=pair.hit_count,
         samples=f"{len(pair.hits):,}",
-        repair=_MEANT if 2 * pair.hit_count >= len(pair.hits) else _STALE,
+        repair=_HAND if is_of_hand else _MEANT if 2 * pair.hit_count >= len(pair.hits) else _STALE,
         more=_format_more_pairs(more),
         pose=pose,
         at_pose=join_names(f"{name} = {value:.3g}" for name, value in between.items()),
     )
+
+
+def _are_of_hand(model: Model, srdf: Srdf, joints: Iterable[str]) -> bool:
+    """Whether only joints of end effectors, and joints of no group, move two links against each other."""
+    hands = {element.get("group").strip() for element in srdf.root.find_children("end_effector")}
+    listed: dict[bool, set[str]] = {True: set(), False: set()}
+    for name, group in srdf.groups.items():
+        listed[name in hands].update(collect_listed_joints(model, srdf, group))
+    return bool(listed[True]) and not (listed[False] - listed[True]).intersection(joints)
 
 
 def _select_joints_between(model: Model, pair: CollisionPair, pose: Mapping[str, float]) -> dict[str, float]:
