@@ -11,7 +11,7 @@ import pytest
 from builders import box, find, joint, limit, link, robot, visual
 from transforms import each_link, rerooted, rotated_link, scaled
 
-from urdfcheck.core import Finding
+from urdfcheck.core import Finding, Severity
 
 PLACES = {
     "front_left": "0.2 0.18 0",
@@ -157,3 +157,17 @@ def test_the_size_of_the_robot_does_not_matter(tmp_path: Path, length: float) ->
     text = ET.tostring(scaled(parse(make_rover(rear="-0.2 1.8 0")), length, 1.0), encoding="unicode")
     (finding,) = find(tmp_path, text, "JNT018")
     assert finding.location.subject == "joint[rear_joint]/origin@xyz"
+
+
+@pytest.mark.parametrize(
+    ("launch", "severity"), [("rviz2", Severity.INFO), ("ros_gz_sim", Severity.WARNING), (None, Severity.WARNING)]
+)
+def test_a_loose_part_of_what_is_only_drawn_is_worth_knowing(
+    tmp_path: Path, launch: str | None, severity: Severity
+) -> None:
+    if launch is not None:
+        (tmp_path / "package.xml").write_text('<package format="3"><name>rover</name></package>')
+        (tmp_path / "show.launch.py").write_text(f"run('{launch}', 'robot.urdf')")
+    (finding,) = find_loose(tmp_path, make_rover(places={"front_left": "0.2 1.8 0"}))
+    assert finding.severity == severity
+    assert (set(finding.consequences) == {"rviz"}) == (severity == Severity.INFO)

@@ -23,6 +23,7 @@ from urdfcheck.model.likeness.shape_comparison import list_alike_links
 from urdfcheck.model.repairs.edits import edit_numbers, swap_values
 from urdfcheck.model.shapes.corners import collect_shape_corners
 from urdfcheck.model.shapes.solids import compute_drawn_scale
+from urdfcheck.model.use.display import judge_as_drawing
 from urdfcheck.model.use.gazebo_starts import is_steered_in_sdf
 from urdfcheck.model.wheel_names import NOT_DRIVEN_NAME, WHEEL_CARRIER_NAME, WHEEL_NAME, is_revolute_wheel
 from urdfcheck.source.text.handed_values import find_handed_text
@@ -94,7 +95,8 @@ def check(model: Model, rule: Rule, *, limit: float, eccentric: float) -> Iterat
             continue  # the steered wheel of a tricycle, with one joint for both
         if joint in upright and is_steered_in_sdf(model, joint.name):
             continue  # the URDF shows how it is steered, and the SDF has a second axis for rolling
-        yield from _check_wheel(model, rule, joint, wheels, limit=math.radians(limit), eccentric=eccentric)
+        for finding in _check_wheel(model, rule, joint, wheels, limit=math.radians(limit), eccentric=eccentric):
+            yield judge_as_drawing(model, finding)
 
 
 def _is_named_wheel(joint: Joint) -> bool:

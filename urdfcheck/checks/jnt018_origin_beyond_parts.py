@@ -16,6 +16,7 @@ from urdfcheck.model.repairs.edits import edit_values, read_typed_text
 from urdfcheck.model.repairs.number_text import write_numbers
 from urdfcheck.model.repairs.origin_edits import locate_origin_attribute
 from urdfcheck.model.shapes.primitive_boxes import has_only_touching_primitives
+from urdfcheck.model.use.display import judge_as_drawing
 
 if TYPE_CHECKING:
     from urdfcheck.model.motion.loose_parts import LoosePart, OriginChange
@@ -50,7 +51,7 @@ def check(
     if not found:
         part = _find_loose_part(model, loose)
         if part is not None and (part.change is not None or part.share >= unexplained):
-            yield _report_loose(rule, part)
+            yield judge_as_drawing(model, _report_loose(rule, part))
         return
     farthest = max(found, key=lambda far: far.length)
     restored = _restore_by_twins(model, found)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
-from urdfcheck.core import FactUnavailableError
+from urdfcheck.core import FactUnavailableError, Finding, Severity
 from urdfcheck.core.text import compile_names
 from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Link
@@ -44,6 +45,14 @@ def has_bare_joints(model: Model) -> bool:
     links = _list_moving_links(model)
     bare = not any(link.inertial is not None or link.collisions for link in links)
     return bool(links) and bare and not is_simulated(model)
+
+
+def judge_as_drawing(model: Model, finding: Finding) -> Finding:
+    """Make a finding about where parts are a note if a package only draws them (`has_bare_joints`): RViz alone shows it."""
+    if model.source.package is None or not has_bare_joints(model):
+        return finding
+    effects = {program: effect for program, effect in finding.consequences.items() if program == "rviz"}
+    return replace(finding, severity=min(finding.severity, Severity.INFO), consequences=effects)
 
 
 def is_made_for_display(model: Model) -> bool:
