@@ -749,6 +749,22 @@ def test_a_misplaced_transmission_is_no_error_where_nothing_reads_transmissions(
     assert nesting(tmp_path / "b", body) == [("transmission", "warning")]
 
 
+@pytest.mark.parametrize("mark", ["<!-- <", "<!--"])
+def test_a_joint_that_is_commented_out_is_meant_and_no_other(tmp_path: Path, mark: str) -> None:
+    transmission = (
+        '<transmission name="t"><type>t/S</type><joint name="rear_wheel"/><actuator name="m"/></transmission>'
+    )
+    comment = f'{mark}joint name="rear_wheel" type="continuous"/> -->'
+    repairs = []
+    for number, body in enumerate((transmission.replace("rear", "rigt"), transmission, transmission + comment)):
+        (finding,) = find_in_cart(tmp_path / str(number), "", body, code="CTL001")
+        assert finding.fix is not None
+        repairs.append((bool(finding.fix.edits), "restore the joint" in finding.fix.title))
+    assert repairs[0] == (True, False)
+    assert [restored for _, restored in repairs] == [False, False, True]
+    assert not repairs[2][0]
+
+
 def test_the_spelling_of_indigo_is_one_info(tmp_path: Path) -> None:
     spelling = " EffortJointInterface\n"
     one = f'<transmission name="t">{TYPE}<joint name="left_wheel">{interface(spelling)}</joint></transmission>'

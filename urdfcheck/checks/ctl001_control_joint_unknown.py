@@ -20,7 +20,7 @@ from urdfcheck.model.gazebo import UNREAD_TRANSMISSIONS, reads_transmissions
 from urdfcheck.model.likeness.sibling_robots import package_names
 from urdfcheck.model.repairs.edits import edit_value
 from urdfcheck.source.text.grammar import UNFILLED
-from urdfcheck.source.text.xml import Attribute, Element
+from urdfcheck.source.text.xml import COMMENT, Attribute, Element
 from urdfcheck.source.uses_elsewhere import find_other_includers, iter_project_texts
 
 # What becomes of a block whose name the controllers have too: the hardware exports it, and nothing in the robot is called so.
@@ -31,6 +31,9 @@ _AGREED = {
 # What becomes of a transmission that has a type only as an attribute, as the PR2's programs read it, and what it lacks.
 _SKIPPED = {"gazebo": "skips the transmission before it looks for the joint: it has no <type>"}
 _LACK = "; for gazebo_ros_control add a <type> too: it skips a transmission without one"
+# What is said of a joint that is commented out, so that nothing else may be meant.
+_COMMENTED = "; a joint of this name is commented out"
+_RESTORE = "restore the joint from the comment, or comment this out too"
 # What the lines of each kind of block are called.
 _ENTRIES = {"ros2_control": "entries", "transmission": "transmissions"}
 # The interfaces of what moves.
@@ -57,7 +60,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                 name = element.attributes.get("name")
                 if element.tag != "joint" or name is None or not name.value or name.value in model.joint_by_name:
                     continue
-                hint = format_name_hint(name.value, free)
+                is_commented = _is_commented_out(model, name.value)
+                hint = _COMMENTED if is_commented else format_name_hint(name.value, free)
                 if not hint and _is_device(element):
                     devices.append(name)
                     continue
@@ -65,7 +69,7 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     foreign.append(name)
                     skipped.append(is_skipped)
                     continue
-                meant = find_only_near_name(name.value, free, SLIP_LIKENESS)
+                meant = None if is_commented else find_only_near_name(name.value, free, SLIP_LIKENESS)
                 taken |= {meant or ""}
                 others = _find_other_robots(model, name)
                 sharing = _list_sharing_files(model, name, meant)
@@ -82,7 +86,8 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
                     also=f"; {join_names(sharing)} {'names' if len(sharing) == 1 else 'name'} it too"
                     if sharing
                     else "",
-                    repair=_describe_agreement(name.value, meant, sharing)
+                    repair=(is_commented and _RESTORE)
+                    or _describe_agreement(name.value, meant, sharing)
                     or _describe_call(name, meant or find_nearest_name(name.value, free), tag)
                     or f"write a joint of the robot{hint} instead of "
                     f"{name.value!r}, or delete the {'transmission' if tag == 'transmission' else 'entry'}",
@@ -99,6 +104,12 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
             severity, consequences = (Severity.WARNING, _SKIPPED) if all(skipped) else told
             left = [joint.name for joint in model.joints if joint.is_movable and joint.name in free - taken]
             yield _build_foreign_finding(model, rule, tag, foreign, left, severity=severity, consequences=consequences)
+
+
+def _is_commented_out(model: Model, name: str) -> bool:
+    """Whether a joint of this name is in a comment of the model's files: no other joint is meant."""
+    typed = re.compile(rf"""(?:<|\A\s*)joint\b[^<>]*\bname\s*=\s*["']{re.escape(name)}["'][^<>]*\btype\b""")
+    return any(typed.search(comment) for file in model.source.files.values() for comment in COMMENT.findall(file.text))
 
 
 def _has_type(block: Element) -> bool:
