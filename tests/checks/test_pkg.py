@@ -1481,6 +1481,28 @@ def test_no_line_is_proposed_for_a_package_of_the_other_ros(
     assert (f"has {name})" in finding.message) == (message == "unknown")
 
 
+@pytest.mark.parametrize(
+    ("typed", "is_slip"),
+    [
+        ("girpper_sim", True),
+        ("girpper_ism", False),
+        ("griper_sim", True),
+        ("gripper2_sim", False),
+        ("gripper_gui", False),
+        ("amcl", False),
+    ],
+)
+def test_a_dependency_with_a_slip_in_its_name_is_corrected(tmp_path: Path, typed: str, is_slip: bool) -> None:
+    launch = '<launch><include file="$(find gripper_sim)/a.launch"/></launch>'
+    own = manifest(f"<depend>{typed}</depend>")
+    write(tmp_path / "p", {"package.xml": own, "urdf/r.urdf": URDF, "launch/a.launch": launch})
+    write(tmp_path, {".git/HEAD": "", "q/package.xml": manifest(name="gripper_sim"), "q/a.launch": "<launch/>"})
+    (finding,) = findings(tmp_path, "PKG007")
+    assert finding.message_id == ("misspelt" if is_slip else "undeclared")
+    assert finding.fix is not None
+    assert [edit.expected for edit in finding.fix.edits] == ([typed] if is_slip else [""])
+
+
 REPOSITORIES = "repositories:\n  x/arm5:\n    type: git\n    url: https://h/u/a.git\n"
 
 

@@ -37,6 +37,7 @@ from urdfcheck.source.package.references import (
 from urdfcheck.source.package.released_packages import read_released_packages
 from urdfcheck.source.package.similar_files import (
     find_empty_folder,
+    find_similar_name,
     list_missing_submodules,
     propose_clone,
     select_similar_submodules,
@@ -129,6 +130,17 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     named = set(missing)
+    for name, line in _find_slips(package, root, missing).items():
+        del missing[name]
+        yield rule.finding(
+            "misspelt",
+            at=line,
+            edits=_propose_name(line, file, name),
+            name=name,
+            names=[name],
+            package=package.name,
+            typed=line.text.strip(),
+        )
     core = _IN_ROS_CORE[name_launch_command(root)]
     programs = _collect_started(package, declared | core) if missing else {}
     programs = {name: uses for name, uses in programs.items() if not _is_explained(name, file.text)}
@@ -170,6 +182,27 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         missing |= _drop_uses_of_ros1(_select_missing(package, started), root)
         message = "undeclared" if len(missing) == 1 else "several"
         yield _build_finding(package, rule, root, file, message=message, missing=missing)
+
+
+def _find_slips(package: Package, root: Element, missing: Iterable[str]) -> dict[str, Element]:
+    """Return the packages of the repository that package.xml declares with a slip in the name, each with that line."""
+    dependencies = (e for e in root.children if e.tag.endswith("depend"))
+    unknown = {name: e for e in dependencies if (name := e.text.strip()) and not _is_known(package, name)}
+    slips: dict[str, Element] = {}
+    for name in missing:
+        near = None if _find_package(package, name) is None else find_similar_name(name, unknown)
+        if near is not None:
+            slips[name] = unknown[near]
+    return slips
+
+
+def _propose_name(line: Element, file: SourceFile, name: str) -> list[Edit]:
+    """Return the edit of the name in a dependency's line."""
+    start = -1 if line.span is None else file.text.find(line.text.strip(), line.span.start)
+    if start < 0:
+        return []
+    typed = line.text.strip()
+    return [Edit(file.make_span(start, start + len(typed)), typed, name)]
 
 
 def _list_workspace(package: Package) -> dict[str, Path]:

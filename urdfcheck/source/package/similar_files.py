@@ -403,7 +403,8 @@ def _is_same_word(word: str, other: str) -> bool:
     if word == other:
         return True
     is_long = min(len(word), len(other)) >= _SHORTEST_SLIP and not (word + other).isdigit()
-    return is_long and difflib.SequenceMatcher(None, word, other).ratio() >= SLIP_LIKENESS
+    is_swapped = sorted(word) == sorted(other) and sum(a != b for a, b in zip(word, other, strict=True)) == 2
+    return is_long and (is_swapped or difflib.SequenceMatcher(None, word, other).ratio() >= SLIP_LIKENESS)
 
 
 def is_in_folder_of_another(path: Path, other: Path) -> bool:
