@@ -19,6 +19,7 @@ from urdfcheck.source.ros.yaml_files import read_located_yaml
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import COMMENT, Attribute, Element, SourceFile, XmlError, parse_leniently, parse_xml
 from urdfcheck.source.text.yaml.values import YamlReadError, YamlValue
+from urdfcheck.source.xacro.file_contents import has_only_macros
 from urdfcheck.source.xacro.usage import read_argument_defaults
 from urdfcheck.system.files import read_regular, remember_large_folders
 
@@ -364,8 +365,8 @@ def load_srdf(
         if any(problem.kind == "time-limit" for problem in expansion.problems):
             raise ModelTimeout  # the time limit is the model's, not the SRDF's: no time is left for anything
         root, files = expansion.root, expansion.files
-        if root is not None and not root.children:
-            return None  # it only defines macros
+        if root is not None and not root.children and has_only_macros(tree):
+            return None
     if root is None or root.get("name").strip() != robot:
         return None
     return Srdf(path, name, root=root, files=files)
