@@ -99,6 +99,22 @@ def test_what_slides_is_no_body_that_a_placeholder_rules(tmp_path: Path) -> None
     assert severities == [Severity.ERROR, Severity.WARNING]
 
 
+@pytest.mark.parametrize(("kind", "severity"), [("revolute", Severity.ERROR), ("prismatic", Severity.WARNING)])
+def test_two_placeholders_of_one_body_rule_it_together(tmp_path: Path, kind: str, severity: Severity) -> None:
+    def make_part(name: str) -> str:
+        return link(name, inertial(0.001, 0.01), visual(box("0.02 0.02 0.02")), collision(box("0.02 0.02 0.02")))
+
+    text = robot(
+        HULL,
+        make_part("finger"),
+        make_part("tip"),
+        joint("j", "hull", "finger", OPEN, kind=kind),
+        joint("k", "finger", "tip", xyz="0.02 0 0"),
+    )
+    (finding,) = find(tmp_path, text, "INR007")
+    assert finding.severity is severity
+
+
 @pytest.mark.parametrize(("mass", "severity"), [("0.001", Severity.INFO), ("0.1", Severity.WARNING)])
 def test_the_com_of_a_mark_makes_no_difference(tmp_path: Path, mass: str, severity: Severity) -> None:
     text = make_carrier(float(mass), moment=float(mass) * 4e-4, com="0.2 0 0", kind="revolute", more=OPEN)

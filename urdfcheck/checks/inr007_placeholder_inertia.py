@@ -358,9 +358,10 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     displayed; None: as the page says."""
     if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
         return Severity.INFO
-    is_vast = any(
-        _is_vast(model, suspect) and not is_called_empty(model, suspect.declared.inertial.element) for suspect in known
-    )
+    bodies: dict[str, list[_PlaceholderInertial]] = {}
+    for suspect in known:
+        bodies.setdefault(model.pieces.list_body_links(suspect.declared.link.name)[0], []).append(suspect)
+    is_vast = any(_is_vast(model, root, suspects) for root, suspects in bodies.items())
     if not is_vast or is_drawn_alone(model) or gives_gazebo_sdf(model):
         return None
     if all(_has_commented_inertial(model, suspect) for suspect in known):
@@ -373,17 +374,25 @@ def _has_commented_inertial(model: Model, suspect: _PlaceholderInertial) -> bool
     return has_commented_child(model, suspect.declared.link.element, "inertial")
 
 
-def _is_vast(model: Model, suspect: _PlaceholderInertial) -> bool:
-    """Whether the body would have a thousandth of its inertia with the tensor of the drawn part, if the drawing is that of a part
-    which can weigh as much. What only slides does not count: its joint does not turn it."""
-    joint = model.pieces.parent_joint.get(model.pieces.list_body_links(suspect.declared.link.name)[0])
+def _is_vast(model: Model, root: str, suspects: Iterable[_PlaceholderInertial]) -> bool:
+    """Whether the body of the link ``root`` would have a thousandth of its inertia with the tensors of the drawn parts, if these
+    drawings are those of parts which can weigh as much. What only slides does not count: its joint does not turn it."""
+    joint = model.pieces.parent_joint.get(root)
     if joint is not None and joint.type == "prismatic":
         return False
+    sized = [suspect for suspect in suspects if _can_size(model, suspect)]
+    excess = sum(suspect.share * (1.0 - 1.0 / suspect.factor) for suspect in sized)
+    return 1.0 - excess <= 1.0 / VAST and any(
+        not is_called_empty(model, suspect.declared.inertial.element) for suspect in sized
+    )
+
+
+def _can_size(model: Model, suspect: _PlaceholderInertial) -> bool:
+    """Whether the drawing of a link says how large its tensor is."""
     misfit, drawn = suspect.misfit, measure_link_geometry(model, suspect.declared.link)
     if misfit is None or misfit.is_axial or drawn is None or misfit.expected >= max(suspect.declared.components):
         return False
-    excess = suspect.share * (1.0 - 1.0 / suspect.factor)
-    return 1.0 - excess <= 1.0 / VAST and suspect.mass <= DENSEST * drawn.solid.volume
+    return suspect.mass <= DENSEST * drawn.solid.volume
 
 
 def _rank_suspect(suspect: _PlaceholderInertial) -> tuple[bool, float]:
