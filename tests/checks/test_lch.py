@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
 import pytest
@@ -462,7 +461,6 @@ def test_a_python_launch_file(tmp_path: Path, code: str, message: str | None, se
     assert not [span for span in others if span is not None and span.file.endswith(".launch.py")]
 
 
-@pytest.mark.skipif(sys.version_info >= (3, 12), reason="Python reads the file")
 @pytest.mark.parametrize(("end", "message"), [("", "syntax-newer"), ("(", "syntax")])
 def test_an_f_string_with_its_own_quotes_needs_a_newer_python(tmp_path: Path, end: str, message: str) -> None:
     find_in_package(tmp_path, "", "LCH001")

@@ -108,7 +108,9 @@ def check(model: Model, rule: Rule) -> Iterator[Finding]:
 
 def _is_commented_out(model: Model, name: str) -> bool:
     """Whether a joint of this name is in a comment of the model's files: no other joint is meant."""
-    typed = re.compile(rf"""(?:<|\A\s*)joint\b[^<>]*\bname\s*=\s*["']{re.escape(name)}["'][^<>]*\btype\b""")
+    typed = re.compile(
+        rf"""(?:<|\A\s*)joint\b[^<>]{{0,1000}}?\bname\s*=\s*["']{re.escape(name)}["'][^<>]{{0,1000}}?\btype\b"""
+    )
     return any(typed.search(comment) for file in model.source.files.values() for comment in COMMENT.findall(file.text))
 
 

@@ -207,9 +207,8 @@ def _measure_misfit(model: Model, declared: DeclaredTensor, mass: float, allowed
             most = DENSEST * drawn.solid.volume / mass if has_one_round_mass(model) else 1.0
             is_possible = np.trace(declared.tensor) < most * np.trace(solid)
             if mass < LIGHTEST * drawn.solid.volume and is_possible and not (misfit and misfit.factor <= allowed):
-                return (
-                    None  # no material is so light: the drawing is too large, or the tensor is right for the real mass
-                )
+                # No material is so light: the drawing is too large, or the tensor is right for the real mass.
+                return None
             if misfit is not None and misfit.is_axial:
                 misfit = misfit._replace(is_felt=_turns_about_length(model, declared.link, solid))
             misfits.append(misfit)

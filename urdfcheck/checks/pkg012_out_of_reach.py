@@ -15,6 +15,7 @@ from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model.launch_context import LaunchContext
 from urdfcheck.source.load import Source, locate_expression
 from urdfcheck.source.package.finder import Package, format_path
+from urdfcheck.source.reach import is_in_home_of_another
 from urdfcheck.source.resources import (
     ResourceUse,
     describe_namesakes,
@@ -28,7 +29,6 @@ from urdfcheck.source.resources import (
 from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.uses_elsewhere import find_copying_build
-from urdfcheck.system.observing.questions import expand_home
 
 if TYPE_CHECKING:
     from urdfcheck.source.launch.launch_file import Launch
@@ -37,8 +37,6 @@ if TYPE_CHECKING:
 MOST_LEVELS_UP = 3
 _MOVE_ONLY = "move what the robot needs into its package"
 _MOVE = _MOVE_ONLY + "; if you trust the place, allow its folder: --allow-read {folder}"
-# Where the folders of users are: a path in one is of one machine.
-_HOME = re.compile(r"(?:/home|/Users|[A-Za-z]:/Users)/[^/]+/")
 # A path in a package of a workspace: its name, and the file in it.
 _OF_PACKAGE = re.compile(r"/src/(?:[^/]+/)*?([A-Za-z]\w+)/((?:launch|urdf|xacro|config|robots|models?|meshes)/.+)$")
 
@@ -122,8 +120,7 @@ class _UnreadPlace:
     @property
     def is_of_other_machine(self) -> bool:
         """Whether the path is typed and leads into the home of another user: no folder here is meant."""
-        is_home = _HOME.match(self.path.as_posix()) is not None and not self.path.is_relative_to(expand_home("~"))
-        return is_home and self.is_typed
+        return is_in_home_of_another(self.path) and self.is_typed
 
     def describe_repair(self) -> str:
         """Say to name the file by the package where it is the package's own, typed as a path of its author's machine."""

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -15,12 +14,11 @@ from urdfcheck.source.load import Source, has_unbound_xacro
 from urdfcheck.source.package.finder import Package, format_path, is_kept_aside
 from urdfcheck.source.package.similar_files import index_files
 from urdfcheck.source.project_folders import find_project_folder
-from urdfcheck.source.reach import OUT_OF_REACH
+from urdfcheck.source.reach import OUT_OF_REACH, is_in_home_of_another
 from urdfcheck.source.resources import find_in_named_package
 from urdfcheck.source.ros.srdf import find_broken_srdfs
 from urdfcheck.source.text.problems import Problem
 from urdfcheck.source.text.xml import SourceFile
-from urdfcheck.system.observing.questions import expand_home
 
 _KINDS = (
     *("malformed", "encoding", "declared-encoding", "xacro-encoding", "utf-16", "instruction", "doctype", "prefix"),
@@ -45,7 +43,6 @@ _REPAIR_OF_UNREACHABLE = (
 _ADDRESSES = {"xacro": "http://www.ros.org/wiki/xacro", "drake": "http://drake.mit.edu"}
 _GAZEBO_ADDRESS = "http://playerstage.sourceforge.net/gazebo/xmlschema/#"
 _PREFIXES_OF_GAZEBO = frozenset({"sensor", "controller", "interface", "model", "body", "geom", "rendering", "physics"})
-_HOME = re.compile(r"/(?:home|Users)/[^/]+/")
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # We reject this, and ROS may read it.
@@ -135,8 +132,8 @@ def _report_place_here(source: Source, problem: Problem, rule: Rule) -> Finding 
 
 def _report_other_home(source: Source, problem: Problem, rule: Rule) -> Finding | None:
     """Report a path that a launch file has in the home of another user: no option of ours makes it right."""
-    file = os.path.abspath(source.path)
-    if problem.location.file == source.name or not _HOME.match(file) or file.startswith(expand_home("~") + os.sep):
+    file = Path(os.path.abspath(source.path))
+    if problem.location.file == source.name or not is_in_home_of_another(file):
         return None
     name, project = source.path.name, find_project_folder(Path(problem.location.file).absolute())
     files = index_files([project])
@@ -145,7 +142,7 @@ def _report_other_home(source: Source, problem: Problem, rule: Rule) -> Finding 
     finding = rule.finding(
         "machine",
         at=problem.location,
-        file=file,
+        file=str(file),
         place="`$(find PACKAGE)/…`" if is_ros1 else "`$(find-pkg-share PACKAGE)/…`",
         meant=f"; {join_names(found, 2)} may be meant" if found else "",
     )

@@ -17,17 +17,14 @@ from urdfcheck.source.package.file_kinds import FORMATS_BY_ROOT, is_launch
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.ros.gazebo_paths import read_model_config
 from urdfcheck.source.text.tokens import build_rename_edits
 from urdfcheck.source.text.xml import Element
 from urdfcheck.source.uses_elsewhere import find_deploying_script, is_certainly_left_aside, is_named_nowhere
-from urdfcheck.system.files import read_text_or_nothing
 
 # The parts that the root element of a robot holds.
 _PARTS = frozenset({"link", "joint", "material", "gazebo", "transmission", "ros2_control"})
-# The files that Gazebo reads of a folder of its models.
-_MODEL_OF_CONFIG = re.compile(r"<sdf\b[^<>]*>\s*([^<>\s]+)\s*</sdf>")
 _OF_EXTENSION = "move the <gazebo> into the <robot> that it is for, or delete the file if that has it"
-_LARGEST_CONFIG = 100_000
 _SPAWNS_SDF = re.compile(r"(?<![\w-])-sdf(?![\w-])")
 
 
@@ -140,11 +137,8 @@ def _find_reader_of_sdf(source: Source) -> str:
     """Say what reads an SDF model as such: Gazebo, for which ``model.config`` beside it names it, a launch file that names it and
     spawns it with ``-sdf``, or the parser of SDF for robot_description, on which its package depends; empty if nothing is known
     to."""
-    settings = source.path.with_name("model.config")
-    if source.finder.can_open(settings):
-        named = _MODEL_OF_CONFIG.findall(drop_comments(read_text_or_nothing(settings, _LARGEST_CONFIG)))
-        if source.path.name in named:
-            return "; model.config names it as that for Gazebo"
+    if source.path.name in read_model_config(source.path.parent, source.finder.can_open):
+        return "; model.config names it as that for Gazebo"
     if source.package is not None and "sdformat_urdf" in source.package.dependencies:
         return "; sdformat_urdf, on which the package depends, reads it"
     project = find_project_folder(source.path.absolute())

@@ -32,9 +32,9 @@ _EXTENSIONS: Mapping[str, frozenset[str]] = {
     "link": frozenset({"type"}),
     "collision": frozenset({"group", "mask", "concave"}),
 }
-# Nothing reads the axis of these types of joints.
 # A turn that differs from a whole one by less was rounded: 6.2832 is 2 pi.
 _ROUNDED = 1e-4
+# Nothing reads the axis of these types of joints.
 _WITHOUT_AXIS = frozenset({"fixed", "floating"})
 
 

@@ -156,13 +156,10 @@ def finalize_unit_findings(
         skips.append(
             SkippedCheck(SkippedCheck.DEFAULTS, unit.id, _describe_defaults(replaced, variants), is_partial=True)
         )
-    problems = [finding for finding in remaining if finding.severity > Severity.INFO]
-    hides_problems = bool(_split_unrequested(problems, rules, policy)[1])
-    if policy.is_kept_aside and hides_problems:
-        reason = _LEFT_OVER if policy.is_left_over else _KEPT_ASIDE
-        skips.append(SkippedCheck(SkippedCheck.FINDINGS, unit.id, reason, is_partial=True))
-    elif policy.is_for_tests and hides_problems:
-        skips.append(SkippedCheck(SkippedCheck.WARNINGS, unit.id, _FOR_TESTS, is_partial=True))
+    if policy.is_for_tests and _hides_problems(remaining, rules, policy):
+        code = SkippedCheck.FINDINGS if policy.is_kept_aside else SkippedCheck.WARNINGS
+        reason = _LEFT_OVER if policy.is_left_over else _KEPT_ASIDE if policy.is_kept_aside else _FOR_TESTS
+        skips.append(SkippedCheck(code, unit.id, reason, is_partial=True))
     small, size = limit_size(listed, MAX_FINDINGS_SIZE)
     skips += explain_left_out(
         unit.id, listed, small, f"those of one model take more than {MAX_FINDINGS_SIZE // 1024**2} MiB"
@@ -306,6 +303,12 @@ def _split_unrequested(
         graded = policy.severities.keys()
         return split_for_tests(findings, unrequested=unasked, graded=graded, keeps_errors=not policy.is_kept_aside)
     return split_unrequested(findings, rules, unrequested=unasked, targets=policy.targets)
+
+
+def _hides_problems(findings: Iterable[Finding], rules: Mapping[str, Rule], policy: Policy) -> bool:
+    """Whether errors or warnings are among the notes on request."""
+    problems = (finding for finding in findings if finding.severity > Severity.INFO)
+    return bool(_split_unrequested(problems, rules, policy)[1])
 
 
 def _list_users(audited_units: Iterable[tuple[Unit, UnitReport]]) -> dict[str, set[str]]:

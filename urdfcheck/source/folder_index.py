@@ -45,7 +45,7 @@ _TEST_FOLDERS = TEST_FOLDERS | {"benchmark", "benchmarks", "fixtures", "test_dat
 # What the tests of a parser call a robot that it must refuse.
 _REFUSED = re.compile(r"(?:fail|invalid|malformed|broken|bad)(?![a-z])")
 # The name of a file and that of its folder before it: in a path, or as arguments that make one.
-_PLACED_NAME = re.compile(r"""([\w.-]+)["',\s/\\]+([\w.-]+\.[A-Za-z]\w*)""")
+_PLACED_NAME = re.compile(r"""(?<![\w.-])([\w.-]+)["',\s/\\]+([\w.-]+\.[A-Za-z]\w*)""")
 # A file that a variable of the environment names, and the one that is included if it is not set.
 _OPTIONAL = re.compile(r"^\$\(optenv\s+\S+\s+([^)]*)\)(.*)$", re.DOTALL)
 

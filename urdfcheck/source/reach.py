@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.project_folders import find_place, is_shared_by_all, list_project_folders
+from urdfcheck.system.observing.questions import expand_home
 
 # The one hidden file that belongs to a robot: what the MoveIt Setup Assistant was told.
 _VISIBLE = f"{os.sep}.setup_assistant"
+# Where the folders of users are.
+_HOME = re.compile(r"(?:/home|/Users|[A-Za-z]:/Users)/[^/]+/")
 # The message about a file that is not opened.
 OUT_OF_REACH = "it is outside the folders that may be read (--allow-read)"
 
@@ -55,6 +59,11 @@ def explain_unreachable(path: Path) -> str:
         shown = Path(os.path.relpath(path)).as_posix()
         return f"it is {what}: name the folders of the robots in it, or allow all of it with --allow-read {shown}"
     return OUT_OF_REACH
+
+
+def is_in_home_of_another(path: Path) -> bool:
+    """Whether a path leads into the home folder of another user: it is one of another machine."""
+    return _HOME.match(path.as_posix()) is not None and not path.is_relative_to(expand_home("~"))
 
 
 def resolve_real_path(path: Path) -> str | None:

@@ -16,6 +16,7 @@ from urdfcheck.source.package.installed_folders import read_install_rules
 from urdfcheck.source.package.package_folders import drop_comments, iter_package_texts
 from urdfcheck.source.package.similar_files import find_files_elsewhere
 from urdfcheck.source.project_folders import find_project_folder
+from urdfcheck.source.ros.gazebo_paths import read_model_config
 from urdfcheck.source.uses_elsewhere import (
     CALLER_SUFFIXES,
     MODEL_FILE,
@@ -45,15 +46,14 @@ _LISTS = (".json", ".toml")
 _MOST_FILES = 1_000
 # What is in a file has a name of its own, and so has a model of SDF.
 _NAME_OF_CONTENT = re.compile(r"""<(?:robot|model|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
-# The file that a model.config names: an SDF, or a URDF, which Gazebo reads as well.
-_LOADED_BY_GAZEBO = re.compile(r"<sdf\b[^<>]*>\s*([^\s<>]+)\s*</sdf>")
 # A program that loads whatever models are in a folder.
 _ALL_MODELS = re.compile(r"\*\.(?:urdf|xacro)\b")
 
 
 def is_left_over(source: Source) -> bool:
     """Whether no file of the project names the model, and one names another model of its package (of the project without one),
-    xacro made it of a file that is here, or the build of its package installs other files and not this one.
+    xacro made it of a file that is here or into the folder of a model of Gazebo, or the build of its package installs other files
+    and not this one.
 
     False for a piece of a robot, for one that is called as its package is and was not made of a file here, and where one of the
     files that could name the model computes such a name, or has its name without the ending in quotes. Outside the packages that
@@ -134,8 +134,7 @@ def _is_beside_model_of_gazebo(source: Source) -> bool:
         return False
     project = find_project_folder(source.path.absolute())
     around = [folder for folder in source.path.absolute().parents if project in folder.parents]
-    texts = [drop_comments(read_text_or_nothing(folder / "model.config", _LARGEST)) for folder in around]
-    loaded = [name for text in texts for name in _LOADED_BY_GAZEBO.findall(text)]
+    loaded = [name for folder in around for name in read_model_config(folder, source.finder.can_open)]
     return bool(loaded) and all(name.endswith(".sdf") for name in loaded)
 
 

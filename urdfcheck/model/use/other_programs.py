@@ -115,7 +115,8 @@ def names_bullet(model: Model) -> bool:
     return any(map(_BULLET.search, _list_texts_around(model)))
 
 
-def is_only_for_gazebo(model: Model) -> bool:
+@fact
+def is_merged_wherever_loaded(model: Model) -> bool:
     """Whether the robot is for Gazebo, as its elements or a file of its package, or of one that depends on it, say, and no file
     of the project, its README included, names a program that checks the inertia of each link by itself."""
     robot = model.robot

@@ -7,11 +7,13 @@ import io
 import itertools
 import os
 import re
+import string
+import token
+import tokenize
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from tokenize import detect_encoding
 
 from urdfcheck.core import NEWLINE, Location, Span
 from urdfcheck.core.records import dataclass
@@ -43,7 +45,7 @@ MAX_SHOWN = 40
 # Limit on missing launch files that are searched in their whole package.
 MAX_LAUNCHES = 64
 
-# An f-string of one line, which may have its own quotes in its braces.
+# An f-string of one line, which may repeat its quotes inside its braces.
 _NESTED_TEXT = re.compile(r"""(?<!\w)(f|rf|fr)("|')((?:\{[^{}\n]*\}|(?!\2)[^{}\n])*)\2""", re.IGNORECASE)
 
 
@@ -127,23 +129,42 @@ def _parse(file: SourceFile) -> tuple[ast.Module, Problem | None]:
 
     :raises SyntaxError: if it is not Python.
     """
-    try:
+    requoted = _NESTED_TEXT.sub(_requote, file.text)
+    if requoted == file.text:
         return ast.parse(file.text), None
+    try:
+        tree = ast.parse(file.text)
     except SyntaxError as error:
-        requoted = _NESTED_TEXT.sub(_requote, file.text)
-        if requoted == file.text:
-            raise
         try:
             tree = ast.parse(requoted)
         except SyntaxError:
             raise error from None
-        place = next(at for at, (old, new) in enumerate(zip(file.text, requoted, strict=True)) if old != new)
-        problem = Problem(
-            kind="newer",
-            message="an f-string has its own quotes in its braces",
-            location=Location("launch", file.make_span(place, place + 1)),
-        )
-        return tree, problem
+    else:
+        if not _nests_quotes(file.text):
+            return tree, None
+    place = next(at for at, (old, new) in enumerate(zip(file.text, requoted, strict=True)) if old != new)
+    problem = Problem(
+        kind="newer",
+        message="an f-string repeats its quotes inside its braces",
+        location=Location("launch", file.make_span(place, place + 1)),
+    )
+    return tree, problem
+
+
+def _nests_quotes(text: str) -> bool:
+    """Whether an f-string of one line repeats its quotes inside its braces.
+
+    Python before 3.12 has no tokens for the parts of an f-string, and does not parse such a one."""
+    opened: list[str] = []
+    for one in tokenize.generate_tokens(io.StringIO(text).readline):
+        kind, quote = token.tok_name[one.type], one.string.lstrip(string.ascii_letters)[:3]
+        if kind in {"FSTRING_START", "STRING"} and opened and opened[-1] == quote[:1]:
+            return True
+        if kind == "FSTRING_START":
+            opened.append(quote)
+        elif kind == "FSTRING_END":
+            opened.pop()
+    return False
 
 
 def _requote(text: re.Match[str]) -> str:
@@ -158,7 +179,7 @@ def _decode_as_python(file: SourceFile, data: bytes) -> SourceFile:
 
     :raises SyntaxError: if it is another text then; a codec of one byte may differ beyond ASCII.
     """
-    encoding, _ = detect_encoding(io.BytesIO(data).readline)
+    encoding, _ = tokenize.detect_encoding(io.BytesIO(data).readline)
     if encoding in {"utf-8", "utf-8-sig"}:
         return file
     if not is_single_byte(encoding) and data.decode(encoding, "replace") != file.text:

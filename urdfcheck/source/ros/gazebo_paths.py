@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 from urdfcheck.core.records import dataclass
 from urdfcheck.source.package.package_folders import drop_comments
 from urdfcheck.source.package.similar_files import FilesByName, index_files
+from urdfcheck.system.files import read_text_or_nothing
 
 # The variables of the paths on which Gazebo looks for `model://`, and the attribute of an export in a package.xml that sets one.
 # SDF_PATH is also what scripts call the path of a file: only that in quotes, or set in a shell, is the variable.
@@ -16,6 +17,9 @@ RESOURCE_PATH = re.compile(
     r"gazebo_model_path|GAZEBO_MODEL_PATH|(?:GZ_SIM|IGN_GAZEBO)_RESOURCE_PATH"
     r"""|(?<=["';])SDF_PATH(?=["';])|\bSDF_PATH(?==[^=\s])"""
 )
+# The files that Gazebo reads of a folder of its models.
+_MODEL_OF_CONFIG = re.compile(r"<sdf\b[^<>]*>\s*([^<>\s]+)\s*</sdf>")
+_LARGEST_CONFIG = 100_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +30,13 @@ class GazeboFolder:
     file: Path
     """The file that sets the variable and names the folder."""
     variable: str
+
+
+def read_model_config(folder: Path, can_open: Callable[[Path], bool]) -> list[str]:
+    """Return the files that the model.config of a folder has Gazebo load: SDF, or URDF, which it reads too."""
+    settings = folder / "model.config"
+    text = read_text_or_nothing(settings, _LARGEST_CONFIG) if can_open(settings) else ""
+    return _MODEL_OF_CONFIG.findall(drop_comments(text))
 
 
 def find_gazebo_folder(package: Path, texts: Iterable[tuple[Path, str]], paths: Sequence[str]) -> GazeboFolder | None:

@@ -39,6 +39,7 @@ _HALF_OPENER = re.compile(r"<(?:-{1,2}|!-)(?!-)")
 _END_TAG = re.compile(r"</([^\s<>/=\"'&]+)\s*>")
 # The line with which git begins a conflict, and the name of a tag that is followed by what cannot follow it.
 _CONFLICT = re.compile(r"^<{7}(?: |$)", re.MULTILINE)
+# What an XML declaration says.
 _SAID_BY_DECLARATION = ("version", "encoding", "standalone")
 _DECLARATION = re.compile(r"<\?xml\s[^<>]*\?>")
 _TAG = re.compile(r"<[^\s<>/=\"'&!?]")
