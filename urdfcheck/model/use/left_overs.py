@@ -44,8 +44,9 @@ _NAMING = (*CALLER_SUFFIXES, *_PROGRAMS, ".sdf", ".world")
 # Also what lists models without using them: configurations and baselines of checkers.
 _LISTS = (".json", ".toml")
 _MOST_FILES = 1_000
-# What is in a file has a name of its own, and so has a model of SDF.
+# What is in a file has a name of its own, and so has a model of SDF; that a link of a robot has the name loads no file.
 _NAME_OF_CONTENT = re.compile(r"""<(?:robot|model|(?:xacro:)?macro)\s+name\s*=\s*(?:"[^"]*"|'[^']*')""")
+_ROBOT = re.compile(r"<link\s")
 # A program that loads whatever models are in a folder.
 _ALL_MODELS = re.compile(r"\*\.(?:urdf|xacro)\b")
 
@@ -78,13 +79,13 @@ def is_left_over(source: Source) -> bool:
 
 
 def _is_stem_named(source: Source, texts: Iterable[str]) -> bool:
-    """Whether one of the texts has the model's name without the ending in quotes, or as that of a package, and none here is
-    called so."""
+    """Whether one of the texts without links has the model's name without the ending in quotes, or as that of a package, and none
+    here is called so. A condition that compares with the name loads nothing."""
     if get_stem(source) in source.finder.list_workspace_packages():
         return False
     name = re.escape(get_stem(source))
-    stem = re.compile(rf"[\"']{name}[\"']|\(find {name}\)|package://{name}/")
-    return any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts)
+    stem = re.compile(rf"(?<!== )[\"']{name}[\"']|\(find {name}\)|package://{name}/")
+    return any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts if not _ROBOT.search(text))
 
 
 def _read_package_texts(source: Source) -> list[str]:
