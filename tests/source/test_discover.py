@@ -207,6 +207,9 @@ def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str
     assert not [target for target in both if target.is_test_data and target.path.name == "r.urdf"]
 
 
+STARTED = '<launch><param name="robot_description" textfile="$(find p)/third_party/urdf/r.urdf"/></launch>'
+
+
 @pytest.mark.parametrize(
     ("place", "files", "is_aside"),
     [
@@ -215,6 +218,8 @@ def test_what_only_tests_read_is_test_data(workspace: Path, files: dict[str, str
         ("LEGACY_URDF/r.urdf", {}, True),
         ("third_party/urdf/r.urdf", {}, True),
         ("third_party/urdf/r.urdf", {"p/launch/a.launch.py": "'third_party/urdf/r.urdf'"}, False),
+        ("third_party/urdf/r.urdf", {"p/third_party/launch/a.launch": STARTED}, True),
+        ("third_party/urdf/r.urdf", {"p/launch/a.launch": STARTED}, False),
         ("isaacgym/assets/r.urdf", {}, True),
         ("urdf/raw_data/r.urdf", {"p/urdf/README.md": "python update.py raw_data/<ROBOT>.urdf"}, True),
         ("urdf/raw_data/r.urdf", {"p/launch/a.launch.py": "'urdf/raw_data/r.urdf'"}, False),

@@ -423,7 +423,7 @@ class _Planner:
                         launches=(path,) if is_only else (),
                         is_part=self.is_nameless_part(model),
                         is_test_data=self.is_data_of_test(model, path),
-                        is_kept_aside=self.is_in_unused_package(model, path),
+                        is_kept_aside=self.is_started_unused(model, path),
                         xacro=True if is_only and launch.runs_xacro else None,
                     )
                 )
@@ -439,17 +439,22 @@ class _Planner:
                         arguments={**description.arguments, **self.arguments},
                         launches=(path,),
                         is_test_data=self.is_data_of_test(model, path),
-                        is_kept_aside=self.is_in_unused_package(model, path),
+                        is_kept_aside=self.is_started_unused(model, path),
                         unknown=description.unknown_arguments - self.arguments.keys(),
                         xacro=description.uses_xacro,
                     )
                 )
 
     def is_data_of_test(self, path: Path, launch: Path) -> bool:
-        """Whether a launch file of tests starts a model which only tests read, in one of the given folders, or a launch file of
-        an unused package a model of such a package."""
+        """Whether a launch file of tests starts a model which only tests read, in one of the given folders, or one that is not
+        used a model that is not used."""
         is_of_test = any(folder.is_data_of_test(path, launch) for folder in self.iter_given_folders())
-        return is_of_test or self.is_in_unused_package(path, launch)
+        return is_of_test or self.is_started_unused(path, launch)
+
+    def is_started_unused(self, path: Path, launch: Path) -> bool:
+        """Whether a model and the launch file that starts it are kept and not used, in a folder for such or in such a package."""
+        is_aside = any(folder.is_started_aside(path, launch) for folder in self.iter_given_folders())
+        return is_aside or self.is_in_unused_package(path, launch)
 
     def is_in_unused_package(self, *paths: Path) -> bool:
         """Whether files are in packages that are kept and not used. One that is given by its own path is used."""

@@ -277,15 +277,28 @@ class FolderIndex:
 
     def is_data_of_test(self, path: Path, launch: Path) -> bool:
         """Whether a file is data of tests that a launch file in a folder of tests starts; both may be outside this folder."""
-        own = self.path.absolute()
-        if not (path.absolute().is_relative_to(own) and launch.absolute().is_relative_to(own)):
+        here, there = self._find_inside(path), self._find_inside(launch)
+        if here is None or there is None:
             return False
-        here, there = (self.path / one.absolute().relative_to(own) for one in (path, launch))
-        return (
-            self._is_in_folder(there, _is_test_folder)
-            and self._is_in_folder(here, _is_test_folder)
-            and (self.is_test_data(here))
+        are_in_tests = self._is_in_folder(there, _is_test_folder) and self._is_in_folder(here, _is_test_folder)
+        return are_in_tests and self.is_test_data(here)
+
+    def is_started_aside(self, path: Path, launch: Path) -> bool:
+        """Whether a file is kept and not used, and so is the launch file that starts it, in such folders of one package; both may
+        be outside this folder."""
+        here, there = self._find_inside(path), self._find_inside(launch)
+        if here is None or there is None:
+            return False
+        top = self._find_package_folder(here)
+        is_aside = top == self._find_package_folder(there) and all(
+            any(map(is_aside_folder, file.relative_to(top).parts[:-1])) for file in (here, there)
         )
+        return is_aside and self.is_test_data(here)
+
+    def _find_inside(self, path: Path) -> Path | None:
+        """Return a file as one below this folder; None where it is outside."""
+        own = self.path.absolute()
+        return self.path / path.absolute().relative_to(own) if path.absolute().is_relative_to(own) else None
 
     def is_kept_aside(self, path: Path) -> bool:
         """Whether a file is in a folder of files that are kept and not used below this one, or is an old copy of one beside it.
