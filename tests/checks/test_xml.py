@@ -39,6 +39,8 @@ class TestXML001:
             ("version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n", "other", "git_lfs"),
             ("<html><body><p>not found</body></html>", "other", "web_page"),
             ("<!DOCTYPE html><html/>", "other", "web_page"),
+            ("there.urdf", "other", "git_link"),
+            ("absent.urdf", "malformed", None),
             ('<robot name="r">\n<<<<<<< HEAD\n<link name="a"/>\n=======\n', "malformed", "merge_conflict"),
             ('\n<?xml version="1.0"?><robot name="r"><link name="a"/></robot>', "forgiven", None),
             ('<robot name="r"><link name="a></robot>', "malformed", None),
@@ -47,6 +49,7 @@ class TestXML001:
         ],
     )
     def test_names_what_the_file_really_is(self, tmp_path: Path, text: str, message: str, cause: str | None) -> None:
+        (tmp_path / "there.urdf").touch()
         (finding,) = findings(tmp_path, text, "XML001")
         assert (finding.message_id, finding.cause.id if finding.cause else None) == (message, cause)
 

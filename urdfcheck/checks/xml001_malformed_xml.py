@@ -29,7 +29,6 @@ _KINDS = (
 _MISREAD = ("misdeclared", "undecoded")
 _REPAIR_OF_COMPANION = "fix the XML here or just before it, and save the file as UTF-8"
 _REPAIR_OF_ENCODING = "save the file as UTF-8"
-_REPAIR_OF_OTHER = "replace this file by the one that is meant"
 _REPAIR_OF_EMPTY = "write its content, or delete the file"
 _REPAIR_OF_SCRIPT = (
     "name it `.launch.py` if `ros2 launch` starts it; no program reads it as a launch file under this name"
@@ -45,6 +44,13 @@ _GAZEBO_ADDRESS = "http://playerstage.sourceforge.net/gazebo/xmlschema/#"
 _PREFIXES_OF_GAZEBO = frozenset({"sensor", "controller", "interface", "model", "body", "geom", "rendering", "physics"})
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
+# What a file is that was never XML, and the repair, by cause.
+_OTHERS = {
+    "git_lfs": ("a Git LFS pointer", "run `git lfs pull`"),
+    "web_page": ("a web page", "download the raw file, not the page that shows it"),
+    "git_link": ("only the path of another file", "replace it by that file, or by a symbolic link to it"),
+}
+_LONGEST_PATH = 300  # characters (chosen)
 # We reject this, and ROS may read it.
 _OUR_CHOICE = "doctype"
 
@@ -82,7 +88,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
             yield rule.finding(message, at=location, severity=severity, error=problem.message, repair=repair)
         else:
             cause = _classify_cause(file)
-            message = "other" if cause in {"git_lfs", "web_page"} else _choose_message(problem, file)
+            message = "other" if cause in _OTHERS else _choose_message(problem, file)
             is_forgiven = message == "malformed" and bool(problem.data.get("forgiven")) and source.root is not None
             if is_forgiven:
                 message = "forgiven"
@@ -97,7 +103,9 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                     yield finding
                     continue
                 unread = _REPAIR_OF_UNREACHABLE
-            repair = _describe_declaration(problem) if problem.kind == "prefix" else problem.data.get("repair", unread)
+            what, repair = _OTHERS.get(cause or "", ("", problem.data.get("repair", unread)))
+            if problem.kind == "prefix":
+                repair = _describe_declaration(problem)
             finding = rule.finding(
                 message,
                 at=location,
@@ -105,6 +113,7 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                 # A path out of reach is shown as the launch file that names it has it.
                 file=os.path.abspath(source.path) if problem.message == OUT_OF_REACH else source.name,
                 error=problem.message,
+                what=what,
                 repair=repair,
             )
             if is_harmless:  # every program loads the file, and only we do not read it
@@ -180,9 +189,8 @@ def _check_companion_file(
             repair = problem.data["repair"]
             yield rule.finding("srdf-forgiven", at=at, severity=Severity.WARNING, error=problem.message, repair=repair)
         else:
-            is_other = cause in {"git_lfs", "web_page"}
             otherwise = _REPAIR_OF_ENCODING if problem.kind == "encoding" else _REPAIR_OF_COMPANION
-            repair = _REPAIR_OF_OTHER if is_other else problem.data.get("repair", otherwise)
+            repair = _OTHERS[cause][1] if cause in _OTHERS else problem.data.get("repair", otherwise)
             yield rule.finding(message, at=at, cause=cause, error=problem.message, repair=repair)
 
 
@@ -206,4 +214,14 @@ def _classify_cause(file: SourceFile | None) -> str | None:
             return cause
     if "\n<<<<<<< " in "\n" + file.text:
         return "merge_conflict"
-    return None
+    return "git_link" if _is_text_of_link(file) else None
+
+
+def _is_text_of_link(file: SourceFile) -> bool:
+    """Whether a file holds only the path of another one at or below its folder. Git writes a symbolic link so where links are
+    turned off, as on many Windows machines, and a commit there keeps the text."""
+    path = Path(file.text.strip())
+    is_relative = len(file.text) < _LONGEST_PATH and not path.is_absolute() and ".." not in path.parts
+    return (
+        is_relative and path.name != "" and os.path.isfile(file.path.parent / path)
+    )  # pathlib raises for a name too long
