@@ -12,6 +12,8 @@ from urdfcheck.policy.consumers import get_verdict, is_news
 # Rules about paths that lead nowhere on another machine, or where a package is not installed, and about files that xacro expands
 # before they are used.
 _OF_ANOTHER_PLACE = frozenset({"PKG001", "PKG004", "XML009"})
+# The parser of ROS, through which most tests read a model.
+_PARSER = "urdfdom"
 # What the subject of an argument of xacro begins with.
 _ARGUMENT = "argument["
 
@@ -40,19 +42,31 @@ def split_unrequested(
 
 
 def split_for_tests(
-    findings: Iterable[Finding], *, unrequested: frozenset[str], graded: AbstractSet[str], keeps_errors: bool = True
+    findings: Iterable[Finding],
+    *,
+    unrequested: frozenset[str],
+    graded: AbstractSet[str],
+    targets: Sequence[str],
+    keeps_errors: bool = True,
 ) -> tuple[list[Finding], list[Finding]]:
     """Do the same for the findings of a model that is data of tests, of which all but errors are notes on request.
 
-    So are errors of what a test does not need: it runs where the file is, and reads of it what it asks for; and all errors of a
-    model that is kept and not used (``keeps_errors``). What stops the check of a model stays. ``graded``: codes whose severity is
-    given.
+    So are errors of what a test does not need: it runs where the file is, and reads of it what it asks for, so the parser or a
+    target must take the model for another one; and all errors of a model that is kept and not used (``keeps_errors``). What stops
+    the check of a model stays. ``graded``: codes whose severity is given.
     """
+    readers = (_PARSER, *targets)
     reported: list[Finding] = []
     left_out: list[Finding] = []
     for finding in findings:
-        is_error = keeps_errors and finding.severity == Severity.ERROR and finding.code not in _OF_ANOTHER_PLACE
-        if is_error or finding.suppressed is not None or finding.blocks_check or finding.code in graded:
+        is_misread = any(get_verdict(finding.consequences, reader) > Verdict.LOADS for reader in readers)
+        is_error = finding.severity == Severity.ERROR and is_misread and finding.code not in _OF_ANOTHER_PLACE
+        if (
+            (is_error and keeps_errors)
+            or finding.suppressed is not None
+            or finding.blocks_check
+            or finding.code in graded
+        ):
             reported.append(finding)
         else:
             note = replace(finding, severity=min(finding.severity, Severity.INFO))

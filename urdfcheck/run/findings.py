@@ -78,7 +78,7 @@ KindsFinder = Callable[[AbstractSet[Kind]], "tuple[AbstractSet[Kind], Sequence[S
 # How many of the options with which to check a model are written out.
 _MOST_OPTIONS = 3
 # What a report says of models that are data of tests, and of those that are kept and not used.
-_FOR_TESTS = "of test data only errors are reported; name the file to see all"
+_FOR_TESTS = "of test data only what the parser or a target misreads is reported; name the file to see all"
 _KEPT_ASIDE = (
     "of old copies and files in folders such as `old` or `third_party` only what stops the check is reported; name the file to "
     "see all"
@@ -301,7 +301,13 @@ def _split_unrequested(
     unasked = frozenset() if policy.pedantic else policy.unrequested
     if policy.is_for_tests and not policy.pedantic:
         graded = policy.severities.keys()
-        return split_for_tests(findings, unrequested=unasked, graded=graded, keeps_errors=not policy.is_kept_aside)
+        return split_for_tests(
+            findings,
+            unrequested=unasked,
+            graded=graded,
+            targets=policy.targets,
+            keeps_errors=not policy.is_kept_aside,
+        )
     return split_unrequested(findings, rules, unrequested=unasked, targets=policy.targets)
 
 
