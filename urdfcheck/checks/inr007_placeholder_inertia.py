@@ -34,7 +34,6 @@ from urdfcheck.model.shapes.visual_solid import (
 )
 from urdfcheck.model.stated_reasons import has_commented_child, is_called_empty
 from urdfcheck.model.use.display import (
-    is_drawn_alone,
     is_loaded_for_frames,
     is_made_for_display,
     is_never_weighed,
@@ -42,7 +41,7 @@ from urdfcheck.model.use.display import (
 from urdfcheck.model.use.gazebo_starts import gives_gazebo_sdf
 from urdfcheck.model.use.other_programs import is_weighed_by_bullet
 from urdfcheck.model.use.scenery import scenery_links
-from urdfcheck.model.use.simulators import has_elements
+from urdfcheck.model.use.simulators import has_elements, is_simulated
 
 if TYPE_CHECKING:
     from urdfcheck.facts.arrays import Array
@@ -352,8 +351,8 @@ def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str
 
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:
-    """Return an error where a tensor is so large that no undrawn part makes up for it, unless nothing that reads it is known or
-    it replaces one in a comment; an info where only the moment of rods about their own length is off, or the model is only
+    """Return an error where a tensor is so large that no undrawn part makes up for it and the robot is simulated, unless it
+    replaces one in a comment; an info where only the moment of rods about their own length is off, or the model is only
     displayed; None: as the page says."""
     if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
         return Severity.INFO
@@ -361,7 +360,7 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     for suspect in known:
         bodies.setdefault(model.pieces.list_body_links(suspect.declared.link.name)[0], []).append(suspect)
     is_vast = any(_is_vast(model, root, suspects) for root, suspects in bodies.items())
-    if not is_vast or is_drawn_alone(model) or gives_gazebo_sdf(model):
+    if not is_vast or not is_simulated(model) or gives_gazebo_sdf(model):
         return None
     if all(_has_commented_inertial(model, suspect) for suspect in known):
         return None  # it was put in place of the part's own

@@ -78,16 +78,6 @@ def is_loaded_for_frames(model: Model) -> bool:
     return not any(model.robot.find_child(tag) is not None for tag in ("gazebo", "ros2_control", "transmission"))
 
 
-def is_drawn_alone(model: Model) -> bool:
-    """Whether a model of a package collides with nothing and has no element for a simulator, no file names it, and none of its
-    package, or of one that depends on it, names a program that reads masses."""
-    if model.source.package is None or has_elements(model) or any(link.collisions for link in model.links):
-        return False
-    own, texts = compile_names((model.source.path.name,)), list_project_texts(model)
-    is_read = any(own.search(text) or GAZEBO.search(text) or _reads_masses(text) for text in texts)
-    return not is_read and not read_includers(model.source)
-
-
 def is_never_weighed(model: Model) -> bool:
     """Whether nothing that is known of a project reads the masses of the model: it is only displayed, or a file of its package,
     or of one that depends on it, names it, and none names a simulator or another program that reads them. Motion planning does
