@@ -351,7 +351,7 @@ def _describe_others(model: Model, declared: DeclaredTensor, names: Sequence[str
 
 
 def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Severity | None:
-    """Return an error where a tensor is so large that no undrawn part makes up for it and the robot is simulated, unless it
+    """Return an error where a tensor is so large that no undrawn part makes up for it and the robot may be simulated, unless it
     replaces one in a comment; an info where only the moment of rods about their own length is off, or the model is only
     displayed; None: as the page says."""
     if is_loaded_for_frames(model) or all(suspect.misfit is None or suspect.misfit.is_axial for suspect in known):
@@ -360,7 +360,9 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     for suspect in known:
         bodies.setdefault(model.pieces.list_body_links(suspect.declared.link.name)[0], []).append(suspect)
     is_vast = any(_is_vast(model, root, suspects) for root, suspects in bodies.items())
-    if not is_vast or not is_simulated(model) or gives_gazebo_sdf(model):
+    # A file in no package may be for any program.
+    is_weighed = model.source.package is None or is_simulated(model)
+    if not is_vast or not is_weighed or gives_gazebo_sdf(model):
         return None
     if all(_has_commented_inertial(model, suspect) for suspect in known):
         return None  # it was put in place of the part's own
