@@ -9,9 +9,11 @@ from typing import Any
 from urdfcheck.core import FactUnavailableError, Finding, Rule, Severity
 from urdfcheck.core.text import format_count, join_names
 from urdfcheck.model import Link, Model, Shape
+from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.use.gazebo_starts import is_only_for_classic
+from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.handed_values import list_zero_sources
 from urdfcheck.source.text.values import parse_numbers
@@ -81,12 +83,12 @@ def _build_point_finding(model: Model, rule: Rule, points: Sequence[tuple[str, A
 
 
 def _has_mass(model: Model, link: Link) -> bool:
-    """Whether the rigid body of a link has mass, as far as its joints are known."""
+    """Whether the link that Gazebo makes of this one has mass, as far as its joints are known."""
     try:
-        body = model.pieces.list_body_links(link.name)
+        bodies = reduce_fixed_joints(model).body_by_link
     except FactUnavailableError:
-        body = (link.name,)
-    return bool(compute_body_mass(model, body))
+        bodies = {link.name: link.name}
+    return bool(compute_body_mass(model, tuple(name for name, body in bodies.items() if body == bodies[link.name])))
 
 
 def _check_dimensions(
@@ -102,7 +104,8 @@ def _check_dimensions(
     reactions = {"mujoco": DRAWN if shape.role == "visual" else FLAT if mesh else REFUSED}
     is_in_classic = bool(zero) and not mesh and is_only_for_classic(model)
     reactions |= {"gazebo": IN_CLASSIC} if is_in_classic else {}
-    reactions |= {} if _has_mass(model, link) else {"gazebo": DROPPED}
+    is_dropped = not _has_mass(model, link)
+    reactions |= {"gazebo": DROPPED} if is_dropped else {}
     data: dict[str, Any] = {
         "link": link.name,
         "role": shape.role,
@@ -135,7 +138,8 @@ def _check_dimensions(
             reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
     elif zero:
-        severity = Severity.WARNING if is_in_classic else None
+        is_harmless = is_in_classic or (is_dropped and has_elements(model))
+        severity = Severity.WARNING if is_harmless else None
         repair = _describe_repair(model, shape, attribute)
         yield rule.finding("zero", at=attribute, severity=severity, repair=repair, **data)
 
