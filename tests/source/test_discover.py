@@ -1178,3 +1178,16 @@ def test_a_text_names_a_file_of_its_package_outside_comments(text: str, named: b
 def test_settings_in_json_are_no_model(workspace: Path) -> None:
     write(workspace, {"arm/config.json.urdf": "{}", "arm/robot.urdf": URDF})
     assert models(".") == ["arm/robot.urdf"]
+
+
+@pytest.mark.parametrize(
+    ("top", "is_checked"), [("", False), ("<!-- {} -->", False), ("{}", True)], ids=["unnamed", "comment", "included"]
+)
+def test_an_empty_file_that_is_named_only_in_comments_is_passed_over(
+    workspace: Path, top: str, is_checked: bool
+) -> None:
+    arm = xacro(LINK + top.format(include("materials.xacro")))
+    write(workspace, {"p/package.xml": manifest("p"), "p/urdf/arm.xacro": arm, "p/urdf/materials.xacro": ""})
+    plan = planned(".")
+    passed_over = [path for path, reason in plan.left_out if "it is empty" in reason]
+    assert passed_over == ([] if is_checked else ["p/urdf/materials.xacro"])

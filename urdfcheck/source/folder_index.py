@@ -219,14 +219,17 @@ class FolderIndex:
         return tuple(FoundModel(path=path, is_tentative=True, is_part=True) for path in files)
 
     def is_named(self, path: Path) -> bool:
-        """Whether another file of the folder names this one: a model, a launch file, or a text of a package."""
+        """Whether another file of the folder names this one outside comments: a model, a launch file, or a text of a package."""
         name, own = compile_names((path.name,)), {path, path.absolute()}
         if self.graph.is_included(self.reals[path]) or any(
-            name.search(file.text) for other, file in self.files.items() if other not in own
+            name.search(file.text) and name.search(drop_comments(file.text))
+            for other, file in self.files.items()
+            if other not in own
         ):
             return True
         tops = [self.path, *self.packages]
-        return any(name.search(text) for top in tops for text in read_package_texts(top, self.finder.can_open))
+        texts = (text for top in tops for text in read_package_texts(top, self.finder.can_open))
+        return any(name.search(text) and name.search(drop_comments(text)) for text in texts)
 
     def is_test_data(self, path: Path) -> bool:
         """Whether a file is in a folder of tests, or is kept and not used, and no file outside such folders includes or names
