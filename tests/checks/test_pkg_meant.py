@@ -237,6 +237,24 @@ def test_a_model_in_a_comment_is_not_named(tmp_path: Path, mark: str, severity: 
     assert find(tmp_path / "p/urdfs/old.urdf", "package://gone/a.stl", code="PKG001").severity is severity
 
 
+@pytest.mark.parametrize(
+    ("file", "text", "severity"),
+    [
+        ("run.py", "ROOT = '/workspace/sim'", Severity.WARNING),
+        ("Dockerfile", "COPY . /workspace", Severity.WARNING),
+        ("run.py", "ROOT = f'{here}/workspace/sim'", Severity.ERROR),
+        ("run.py", "ROOT = '/home/ann'", Severity.ERROR),
+    ],
+)
+def test_a_path_into_the_folder_where_the_project_is_meant_to_lie_is_a_warning(
+    tmp_path: Path, file: str, text: str, severity: Severity
+) -> None:
+    folder = "/home/ann" if "ann" in text else "/workspace"
+    write(tmp_path, ".git/HEAD")
+    write(tmp_path, file, text=text)
+    assert find(tmp_path / "urdf/r.urdf", f"{folder}/a.stl", code="PKG004").severity is severity
+
+
 @pytest.mark.parametrize(("model", "is_named"), [("robot.urdf", True), ("arm.urdf", False)])
 def test_a_script_that_replaces_backslashes_is_to_be_changed_too(tmp_path: Path, model: str, is_named: bool) -> None:
     write(tmp_path, ".git/HEAD", "assets/a.stl")

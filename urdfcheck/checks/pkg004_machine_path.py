@@ -32,7 +32,14 @@ from urdfcheck.source.ros.dependencies import describe_declaration
 from urdfcheck.source.ros.mujoco_paths import describe_mujoco_path, takes_no_packages
 from urdfcheck.source.text.engine_reactions import describe_missing_mesh, describe_unread_visuals, name_lost_shapes
 from urdfcheck.source.text.tokens import build_replacement_edits
-from urdfcheck.source.uses_elsewhere import KEPT_ASIDE, explain_kept_file, is_kept_output
+from urdfcheck.source.uses_elsewhere import (
+    CONTAINER_FILE,
+    KEPT_ASIDE,
+    SCRIPT_SUFFIXES,
+    explain_kept_file,
+    is_kept_output,
+    iter_project_files,
+)
 from urdfcheck.system.observing.questions import note_content
 
 
@@ -53,6 +60,8 @@ _KINDS = {
 _HOST = re.compile(r"file://(?!(?:localhost|home|mnt|media|opt|root|tmp|usr|Users|var|workspaces?)/)([^/\\:~$]+)/")
 # What examples have where a user is to write a folder.
 _PLACEHOLDER = re.compile(r"/(?:path/to|(?:absolute|full|your)[_-]path)/", re.IGNORECASE)
+# Folders at the top that hold what a user has; another is made for a project, as in an image of Docker.
+_OF_USERS = frozenset({"Users", "Volumes", "home", "media", "mnt", "opt", "private", "root", "tmp", "usr", "var"})
 # Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
 # A released name of one word (robot, urdf) is as often a folder of another kind.
@@ -105,7 +114,7 @@ def _build_finding(place: _MachinePath, source: Source, rule: Rule) -> Finding:
     return rule.finding(
         message,
         at=place.location,
-        severity=_get_severity(message, source),
+        severity=_get_severity(message, first, source),
         related={u.attribute.span: u for u in place.uses if u.attribute.span != place.location.span}.values(),
         edits=[]
         if message == "installed" or _describe_for_mujoco(portable, source)
@@ -130,11 +139,21 @@ def _find_installed_path(use: ResourceUse) -> str | None:
     return None if found is None else f"package://{found[0]}/{found[1]}"
 
 
-def _get_severity(message: str, source: Source) -> Severity | None:
+def _get_severity(message: str, use: ResourceUse, source: Source) -> Severity | None:
     # For one release a robot may be expanded on purpose.
     if explain_kept_file(source) == KEPT_ASIDE or (message == "installed" and is_kept_output(source)):
         return Severity.INFO
-    return Severity.WARNING if message == "installed" else None
+    return Severity.WARNING if message == "installed" or _is_place_of_project(use, source) else None
+
+
+def _is_place_of_project(use: ResourceUse, source: Source) -> bool:
+    """Whether scripts of the project, or files that make an image, name the same folder at the top, and no user has files in
+    it: the project is meant to lie there."""
+    folders = () if use.resource.path is None else use.resource.path.parts[1:2]
+    if not folders or folders[0] in _OF_USERS:
+        return False
+    place = re.compile(rf"(?<![\w./~}}]){re.escape('/' + folders[0])}(?![\w.-])")
+    return any(place.search(text) for _, text in iter_project_files(source, SCRIPT_SUFFIXES, named=CONTAINER_FILE))
 
 
 def _find_path_of_other(use: ResourceUse, source: Source) -> str | None:
