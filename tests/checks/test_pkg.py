@@ -2439,6 +2439,7 @@ def test_a_launch_file_of_ros_1_needs_no_folder(tmp_path: Path, place: str, look
             False,
         ),
         ("    file = os.path.join(folder, 'config', 'a.yaml')\n    return Node(parameters=[file])", True),
+        ("    file = os.path.join(folder, 'config', 'a.yaml')\n    return Node()\nfrom file import more", False),
         (
             "    file = os.path.join(folder, 'config', 'a.yaml')\n    # Node(parameters=[file])\n    return Node()",
             False,

@@ -74,6 +74,7 @@ _JOINED = rf"(?P<joined>\s*(?P<by>,|/|\+)\s*{_QUOTED}(?:\s*(?P=by)\s*{_QUOTED})*
 _TYPED = re.compile(r"""['"]([^'"]*)['"]""")
 _AT_ONCE = re.compile(rf"\s*\)(?:\.find\([^()]*\))?{_JOINED}")
 _ASSIGNED = re.compile(r"(?m)^[ \t]*(\w+)[ \t]*=[ \t]*(?:[\w.]+\([ \t]*)?$")
+_IMPORT = re.compile(r"(?m)^(?:from|import)[ \t][^\n]*")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -303,7 +304,8 @@ def _find_unused_lines(text: str, bare: str) -> frozenset[int]:
     tree = parse_python(text)
     assigned = (node for node in ast.walk(tree or ast.Module([], [])) if isinstance(node, ast.Assign))
     named = ((node.targets[0].id, node) for node in assigned if isinstance(node.targets[0], ast.Name))
-    words = Counter(re.findall(r"\w+", bare))  # a name that stands in a text may be read from there
+    # A name that stands in a text may be read from there; a module of that name is another thing.
+    words = Counter(re.findall(r"\w+", _IMPORT.sub("", bare)))
     once = ((name, node) for name, node in named if len(node.targets) == 1 and words[name] == 1)
     return frozenset(line for _, node in once for line in _list_lines(node))
 
