@@ -1874,6 +1874,14 @@ def test_a_function_of_another_package_may_install_the_folder_of_its_argument(
     assert bool(findings(tmp_path, "PKG008")) == told
 
 
+def test_nothing_of_a_package_inside_another_is_installed(tmp_path: Path) -> None:
+    files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
+    write(tmp_path, {**{f"p/{name}": text for name, text in files.items()}, "p/CMakeLists.txt": "project(p)"})
+    assert findings(tmp_path / "p", "PKG008")
+    write(tmp_path, {"package.xml": manifest(AMENT).replace("<name>p<", "<name>outer<")})
+    assert not findings(tmp_path / "p", "PKG008")
+
+
 @pytest.mark.parametrize(
     ("cmake", "after"),
     [

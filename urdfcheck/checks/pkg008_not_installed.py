@@ -36,7 +36,7 @@ _MOST_FILES = 2_000
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
-    install = read_install_rules(package)
+    install = None if _is_inside_another(package) else read_install_rules(package)
     if install is None:
         return
     missing = _collect_missing_folders(package, install.installed)
@@ -75,6 +75,11 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         example=first.subpath.lstrip("/"),
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
+
+
+def _is_inside_another(package: Package) -> bool:
+    """Whether a package is inside another one: colcon and catkin do not search there, so they install nothing of it."""
+    return package.finder is not None and package.finder.find_package_of(package.path.absolute()) is not None
 
 
 def _find_started_program(package: Package, missing: Mapping[str, Sequence[PackageMention]]) -> str:
