@@ -135,17 +135,22 @@ def test_a_link_that_gazebo_drops_does_not_stop_it(tmp_path: Path, part: str, sa
     assert finding.consequences["gazebo"].startswith(says)
 
 
-def test_below_world_gazebo_merges_nothing_and_drops_a_ground_without_mass(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("element", "severity"), [("<gazebo/>", Severity.WARNING), ("<mujoco/>", Severity.ERROR), ("", Severity.ERROR)]
+)
+def test_below_world_gazebo_merges_nothing_and_drops_a_ground_without_mass(
+    tmp_path: Path, element: str, severity: Severity
+) -> None:
     text = robot(
         link("world"),
         link("ground", collision(box("5 5 0"))),
         joint("g", "world", "ground", kind="fixed"),
         link("arm", inertial(1, 0.01)),
         joint("a", "world", "arm", kind="fixed"),
-        "<gazebo/>",
+        element,
     )
     finding = one(tmp_path, text, "GEO001")
-    assert finding.severity is Severity.WARNING
+    assert finding.severity is severity
     assert finding.consequences["gazebo"].startswith("drops the link")
 
 

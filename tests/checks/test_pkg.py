@@ -1876,10 +1876,13 @@ def test_a_function_of_another_package_may_install_the_folder_of_its_argument(
 
 def test_nothing_of_a_package_inside_another_is_installed(tmp_path: Path) -> None:
     files = {"package.xml": manifest(AMENT), "urdf/r.urdf": f'<robot name="r">{MESH}</robot>', "meshes/a.stl": ""}
-    write(tmp_path, {**{f"p/{name}": text for name, text in files.items()}, "p/CMakeLists.txt": "project(p)"})
-    assert findings(tmp_path / "p", "PKG008")
-    write(tmp_path, {"package.xml": manifest(AMENT).replace("<name>p<", "<name>outer<")})
-    assert not findings(tmp_path / "p", "PKG008")
+    outer = manifest(AMENT).replace("<name>p<", "<name>outer<")
+    inner = {f"outer/p/{name}": text for name, text in files.items()}
+    # A manifest at the top of a repository may be that of all its packages.
+    write(tmp_path, {".git/HEAD": "", "package.xml": outer, **inner, "outer/p/CMakeLists.txt": "project(p)"})
+    assert findings(tmp_path / "outer/p", "PKG008")
+    write(tmp_path, {"outer/package.xml": outer})
+    assert not findings(tmp_path / "outer/p", "PKG008")
 
 
 @pytest.mark.parametrize(

@@ -350,6 +350,7 @@ STARTED = "<launch><param name='robot_description' textfile='$(find car)/urdf/ca
         ("p/launch/car.launch", STARTED.replace("car.urdf", "$(arg name).urdf"), False),
         ("p/launch/car.launch.py", "names = ['car.urdf', 'arm']", False),
         ("p/launch/car.launch.py", "if name == 'arm': print(name)", True),
+        ("p/launch/car.launch.py", "if name!='arm': print(name)", True),
         ("p/launch/arm.launch", STARTED.replace("car.urdf", "arm.urdf"), False),
         ("p/README.md", "check_urdf urdf/arm.urdf", False),
         ("README.md", "check_urdf urdf/arm.urdf", False),

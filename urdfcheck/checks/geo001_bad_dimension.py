@@ -13,7 +13,6 @@ from urdfcheck.model.fixed_joint_lumping import reduce_fixed_joints
 from urdfcheck.model.repairs.edits import edit_numbers
 from urdfcheck.model.rigid_bodies import compute_body_mass
 from urdfcheck.model.use.gazebo_starts import is_only_for_classic
-from urdfcheck.model.use.simulators import has_elements
 from urdfcheck.source.text.engine_reactions import describe_loss
 from urdfcheck.source.text.handed_values import list_zero_sources
 from urdfcheck.source.text.values import parse_numbers
@@ -91,6 +90,10 @@ def _has_mass(model: Model, link: Link) -> bool:
     return bool(compute_body_mass(model, tuple(name for name, body in bodies.items() if body == bodies[link.name])))
 
 
+def _has_elements_for_gazebo_alone(model: Model) -> bool:
+    return model.robot.find_child("gazebo") is not None and model.robot.find_child("mujoco") is None
+
+
 def _check_dimensions(
     model: Model, rule: Rule, shape: Shape, attribute: Attribute, *, link: Link, values: dict[str, float]
 ) -> Iterator[Finding]:
@@ -138,7 +141,7 @@ def _check_dimensions(
             reactions["drake"] = POINT
         yield rule.finding("drawn", at=attribute, severity=Severity.INFO, **data)
     elif zero:
-        is_harmless = is_in_classic or (is_dropped and has_elements(model))
+        is_harmless = is_in_classic or (is_dropped and _has_elements_for_gazebo_alone(model))
         severity = Severity.WARNING if is_harmless else None
         repair = _describe_repair(model, shape, attribute)
         yield rule.finding("zero", at=attribute, severity=severity, repair=repair, **data)

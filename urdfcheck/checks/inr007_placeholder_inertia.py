@@ -360,9 +360,9 @@ def _judge_severity(model: Model, known: Sequence[_PlaceholderInertial]) -> Seve
     for suspect in known:
         bodies.setdefault(model.pieces.list_body_links(suspect.declared.link.name)[0], []).append(suspect)
     is_vast = any(_is_vast(model, root, suspects) for root, suspects in bodies.items())
-    # A file in no package may be for any program.
-    is_weighed = model.source.package is None or is_simulated(model)
-    if not is_vast or not is_weighed or gives_gazebo_sdf(model):
+    if not is_vast or gives_gazebo_sdf(model):
+        return None
+    if model.source.package is not None and not is_simulated(model):  # a file in no package may be for any program
         return None
     if all(_has_commented_inertial(model, suspect) for suspect in known):
         return None  # it was put in place of the part's own

@@ -60,7 +60,7 @@ _KINDS = {
 _HOST = re.compile(r"file://(?!(?:localhost|home|mnt|media|opt|root|tmp|usr|Users|var|workspaces?)/)([^/\\:~$]+)/")
 # What examples have where a user is to write a folder.
 _PLACEHOLDER = re.compile(r"/(?:path/to|(?:absolute|full|your)[_-]path)/", re.IGNORECASE)
-# Folders at the top that hold what a user has; another is made for a project, as in an image of Docker.
+# Folders at the top of the file system in which users have files. Another one is made for a project, as in an image of Docker.
 _OF_USERS = frozenset({"Users", "Volumes", "home", "media", "mnt", "opt", "private", "root", "tmp", "usr", "var"})
 # Where the packages of a release of ROS are installed.
 _RELEASED = "/opt/ros/"
@@ -143,16 +143,17 @@ def _get_severity(message: str, use: ResourceUse, source: Source) -> Severity | 
     # For one release a robot may be expanded on purpose.
     if explain_kept_file(source) == KEPT_ASIDE or (message == "installed" and is_kept_output(source)):
         return Severity.INFO
-    return Severity.WARNING if message == "installed" or _is_place_of_project(use, source) else None
+    may_be_right = message in {"unread", "here-only"} and _is_place_of_project(use, source)
+    return Severity.WARNING if message == "installed" or may_be_right else None
 
 
 def _is_place_of_project(use: ResourceUse, source: Source) -> bool:
-    """Whether scripts of the project, or files that make an image, name the same folder at the top, and no user has files in
-    it: the project is meant to lie there."""
-    folders = () if use.resource.path is None else use.resource.path.parts[1:2]
-    if not folders or folders[0] in _OF_USERS:
+    """Whether scripts of the project, or files that make an image, name the same folder at the top of the file system, and users
+    have no files in it: the project may be meant to be there."""
+    path = use.resource.path
+    if path is None or not path.is_absolute() or path.parts[1] in _OF_USERS:
         return False
-    place = re.compile(rf"(?<![\w./~}}]){re.escape('/' + folders[0])}(?![\w.-])")
+    place = re.compile(rf"(?<![\w./~}}:]){re.escape('/' + path.parts[1])}(?![\w.-])")
     return any(place.search(text) for _, text in iter_project_files(source, SCRIPT_SUFFIXES, named=CONTAINER_FILE))
 
 

@@ -7,7 +7,7 @@ import re
 from collections import deque
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from itertools import islice, takewhile
+from itertools import islice
 from pathlib import Path, PurePosixPath
 
 from urdfcheck.core import Edit, Finding, Rule, Severity, Span
@@ -15,6 +15,7 @@ from urdfcheck.core.text import compile_names, join_names
 from urdfcheck.source.launch.around.passing_files import is_off_by_default
 from urdfcheck.source.package.alternatives import select_alternatives
 from urdfcheck.source.package.build_files import name_launch_command, read_generation
+from urdfcheck.source.package.built_packages import is_out_of_build
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES, is_launch, is_model
 from urdfcheck.source.package.finder import (
     Package,
@@ -25,7 +26,7 @@ from urdfcheck.source.package.finder import (
     load_package,
 )
 from urdfcheck.source.package.installed_folders import InstallRules, read_install_rules
-from urdfcheck.source.package.package_folders import IGNORE_MARKS, TEST_FOLDERS, read_manifest_name
+from urdfcheck.source.package.package_folders import TEST_FOLDERS, read_manifest_name
 from urdfcheck.source.package.references import (
     PackageMention,
     iter_package_files,
@@ -42,7 +43,7 @@ from urdfcheck.source.package.similar_files import (
     propose_clone,
     select_similar_submodules,
 )
-from urdfcheck.source.project_folders import find_project_folder, is_shared_by_all, list_shared_folders
+from urdfcheck.source.project_folders import find_project_folder
 from urdfcheck.source.ros.dependencies import COLLECTIONS, collect_dependencies, has_part
 from urdfcheck.source.ros.setup_templates import is_left_out_by_template
 from urdfcheck.source.text.remembered import text_fact
@@ -112,7 +113,7 @@ _MOST_FILES = 20_000
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
     root, file = package.root, package.file
-    if root is None or file is None or root.tag != "package" or _is_not_built(package):
+    if root is None or file is None or root.tag != "package" or is_out_of_build(package.path, package.finder):
         return
     # A line that is commented out was left out on purpose, and with it what the package brings: MoveIt's setup assistant leaves
     # out gazebo_ros_control so that nothing installs Gazebo. Its ROS 2 templates have the same line for a package of ROS 1.
@@ -126,7 +127,8 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
             undeclared.setdefault(mention.package, []).append(mention)
     undeclared = {name: uses for name, uses in undeclared.items() if not _is_explained(name, file.text)}
     missing = _select_missing(package, undeclared) if undeclared else {}
-    for name in [name for name in missing if _is_out_of_the_build(_find_package(package, name), package)]:
+    places = {name: folder for name in missing if (folder := _find_package(package, name)) is not None}
+    for name in [name for name, folder in places.items() if is_out_of_build(folder, package.finder)]:
         del missing[name]  # no build tool or rosdep would find it
     _drop_stray_uses(package, missing)
     named = set(missing)
@@ -246,34 +248,6 @@ def _is_explained(name: str, manifest: str) -> bool:
     return any(named.search(comment) and _LEFT_OUT.search(comment) for comment in COMMENT.findall(manifest))
 
 
-def _is_inside_another(folder: Path | None, package: Package) -> bool:
-    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there.
-
-    A manifest at the top of the repository does not count: its other packages are probably copied from there, each by itself.
-    """
-    if folder is None or package.finder is None:
-        return False
-    top, shared = package.finder.find_repository(), list_shared_folders()
-    around = takewhile(lambda outer: outer != top and not is_shared_by_all(outer, shared), folder.absolute().parents)
-    manifests = (outer / "package.xml" for outer in around)
-    return any(package.finder.can_open(manifest) and manifest.is_file() for manifest in manifests)
-
-
-def _is_not_built(package: Package) -> bool:
-    """Whether the build tools and rosdep leave a package out."""
-    return _is_out_of_the_build(package.path, package)
-
-
-def _is_out_of_the_build(place: Path | None, package: Package) -> bool:
-    """Whether a package of the repository is inside another one, or a mark at it or above it says that it is not built."""
-    if place is None or _is_inside_another(place, package):
-        return place is not None
-    top = None if package.finder is None else package.finder.find_repository()
-    folder, around = place.absolute(), takewhile(lambda outer: outer != top, place.absolute().parents)
-    levels = [folder] if top is None else [folder, *around]
-    return any(os.path.lexists(level / mark) for level in levels for mark in IGNORE_MARKS)
-
-
 def _select_left_out(package: Package, names: Sequence[str]) -> list[str]:
     """Return those packages of the repository that the build leaves out: a run finds none of them."""
     finder = package.finder
@@ -281,7 +255,7 @@ def _select_left_out(package: Package, names: Sequence[str]) -> list[str]:
     if finder is None or root is None:
         return []
     places = {name: folder for name, folder in finder.walk_repository(root) if name in names}
-    return [name for name in names if _is_out_of_the_build(places.get(name), package)]
+    return [name for name in names if name in places and is_out_of_build(places[name], finder)]
 
 
 def _select_missing(

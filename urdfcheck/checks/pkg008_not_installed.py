@@ -12,6 +12,7 @@ from pathlib import Path
 from urdfcheck.core import Finding, Rule, Severity, Span
 from urdfcheck.core.text import join_names
 from urdfcheck.source.package.build_files import name_launch_command
+from urdfcheck.source.package.built_packages import is_out_of_build
 from urdfcheck.source.package.file_kinds import MESH_SUFFIXES
 from urdfcheck.source.package.finder import Package
 from urdfcheck.source.package.installed_files import InstalledFiles
@@ -36,7 +37,7 @@ _MOST_FILES = 2_000
 
 
 def check(package: Package, rule: Rule) -> Iterator[Finding]:
-    install = None if _is_inside_another(package) else read_install_rules(package)
+    install = None if is_out_of_build(package.path, package.finder) else read_install_rules(package)
     if install is None:
         return
     missing = _collect_missing_folders(package, install.installed)
@@ -75,11 +76,6 @@ def check(package: Package, rule: Rule) -> Iterator[Finding]:
         example=first.subpath.lstrip("/"),
     )
     yield replace(finding, subjects=tuple(f"package[{package.name}]/install[{name}]" for name in folders))
-
-
-def _is_inside_another(package: Package) -> bool:
-    """Whether a package is inside another one: colcon and catkin do not search there, so they install nothing of it."""
-    return package.finder is not None and package.finder.find_package_of(package.path.absolute()) is not None
 
 
 def _find_started_program(package: Package, missing: Mapping[str, Sequence[PackageMention]]) -> str:

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from urdfcheck.core import Finding, Location, Rule, Severity, Span
 from urdfcheck.core.text import format_count, join_names
-from urdfcheck.source.package.duplicates import are_in_one_workspace, are_of_series, select_rivals
+from urdfcheck.source.package.built_packages import are_in_one_workspace, are_of_series, select_rivals
 from urdfcheck.source.package.finder import Package, format_path
 
 

@@ -45,7 +45,7 @@ _PREFIXES_OF_GAZEBO = frozenset({"sensor", "controller", "interface", "model", "
 # How a file that was never XML begins, and the cause.
 _CAUSES = (("version https://git-lfs", "git_lfs"), ("<!doctype html", "web_page"), ("<html", "web_page"))
 # What a file is that was never XML, and the repair, by cause.
-_OTHERS = {
+_OTHERS: Mapping[str | None, tuple[str, str]] = {
     "git_lfs": ("a Git LFS pointer", "run `git lfs pull`"),
     "web_page": ("a web page", "download the raw file, not the page that shows it"),
     "git_link": ("only the path of another file", "replace it by that file, or by a symbolic link to it"),
@@ -103,9 +103,8 @@ def _check_model(source: Source, rule: Rule) -> Iterator[Finding]:
                     yield finding
                     continue
                 unread = _REPAIR_OF_UNREACHABLE
-            what, repair = _OTHERS.get(cause or "", ("", problem.data.get("repair", unread)))
-            if problem.kind == "prefix":
-                repair = _describe_declaration(problem)
+            repair = _describe_declaration(problem) if problem.kind == "prefix" else problem.data.get("repair", unread)
+            what, repair = _OTHERS.get(cause, ("", repair))
             finding = rule.finding(
                 message,
                 at=location,
@@ -222,6 +221,5 @@ def _is_text_of_link(file: SourceFile) -> bool:
     turned off, as on many Windows machines, and a commit there keeps the text."""
     path = Path(file.text.strip())
     is_relative = len(file.text) < _LONGEST_PATH and not path.is_absolute() and ".." not in path.parts
-    return (
-        is_relative and path.name != "" and os.path.isfile(file.path.parent / path)
-    )  # pathlib raises for a name too long
+    # pathlib raises for a name that is too long.
+    return is_relative and path.name != "" and os.path.isfile(file.path.parent / path)

@@ -15,6 +15,7 @@ from urdfcheck.core import FactUnavailableError
 from urdfcheck.core.records import dataclass
 from urdfcheck.core.text import split_name_words
 from urdfcheck.facts.inertials.engine_floors import GAZEBO_MERGES, GAZEBO_REFUSES
+from urdfcheck.model.fact import fact
 from urdfcheck.model.parts import Joint, Link
 from urdfcheck.model.rigid_bodies import MergedBody, weigh_body
 from urdfcheck.model.robot import Model
@@ -57,6 +58,7 @@ class FixedJointReduction:
     """Every visual shape under its name in SDF."""
 
 
+@fact
 def reduce_fixed_joints(model: Model) -> FixedJointReduction:
     """Merge links as sdformat does.
 

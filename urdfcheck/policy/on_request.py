@@ -51,9 +51,9 @@ def split_for_tests(
 ) -> tuple[list[Finding], list[Finding]]:
     """Do the same for the findings of a model that is data of tests, of which all but errors are notes on request.
 
-    So are errors of what a test does not need: it runs where the file is, and reads of it what it asks for, so the parser or a
-    target must take the model for another one; and all errors of a model that is kept and not used (``keeps_errors``). What stops
-    the check of a model stays. ``graded``: codes whose severity is given.
+    So are errors of what a test does not need: it runs where the file is, and reads of it what it asks for. Its errors are those
+    for which the parser or a target does not load what is typed. So are all errors of a model that is kept and not used
+    (``keeps_errors``). What stops the check of a model stays. ``graded``: codes whose severity is given.
     """
     readers = (_PARSER, *targets)
     reported: list[Finding] = []

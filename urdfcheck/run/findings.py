@@ -78,7 +78,9 @@ KindsFinder = Callable[[AbstractSet[Kind]], "tuple[AbstractSet[Kind], Sequence[S
 # How many of the options with which to check a model are written out.
 _MOST_OPTIONS = 3
 # What a report says of models that are data of tests, and of those that are kept and not used.
-_FOR_TESTS = "of test data only what the parser or a target misreads is reported; name the file to see all"
+_FOR_TESTS = (
+    "of test data only what urdfdom or a target rejects or reads otherwise is reported; name the file to see all"
+)
 _KEPT_ASIDE = (
     "of old copies and files in folders such as `old` or `third_party` only what stops the check is reported; name the file to "
     "see all"

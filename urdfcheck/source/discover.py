@@ -446,8 +446,8 @@ class _Planner:
                 )
 
     def is_data_of_test(self, path: Path, launch: Path) -> bool:
-        """Whether a launch file of tests starts a model which only tests read, in one of the given folders, or one that is not
-        used a model that is not used."""
+        """Whether a launch file of tests starts a model which only tests read, in one of the given folders; or neither the launch
+        file nor the model is used."""
         is_of_test = any(folder.is_data_of_test(path, launch) for folder in self.iter_given_folders())
         return is_of_test or self.is_started_unused(path, launch)
 

@@ -221,15 +221,13 @@ class FolderIndex:
     def is_named(self, path: Path) -> bool:
         """Whether another file of the folder names this one outside comments: a model, a launch file, or a text of a package."""
         name, own = compile_names((path.name,)), {path, path.absolute()}
-        if self.graph.is_included(self.reals[path]) or any(
-            name.search(file.text) and name.search(drop_comments(file.text))
-            for other, file in self.files.items()
-            if other not in own
-        ):
+        if self.graph.is_included(self.reals[path]):
             return True
+        models = (file.text for other, file in self.files.items() if other not in own)
         tops = [self.path, *self.packages]
         texts = (text for top in tops for text in read_package_texts(top, self.finder.can_open))
-        return any(name.search(text) and name.search(drop_comments(text)) for text in texts)
+        naming = filter(name.search, itertools.chain(models, texts))
+        return any(name.search(drop_comments(text)) for text in naming)
 
     def is_test_data(self, path: Path) -> bool:
         """Whether a file is in a folder of tests, or is kept and not used, and no file outside such folders includes or names

@@ -84,7 +84,7 @@ def _is_stem_named(source: Source, texts: Iterable[str]) -> bool:
     if get_stem(source) in source.finder.list_workspace_packages():
         return False
     name = re.escape(get_stem(source))
-    stem = re.compile(rf"(?<!== )[\"']{name}[\"']|\(find {name}\)|package://{name}/")
+    stem = re.compile(rf"(?<![=!]=)(?<![=!]= )[\"']{name}[\"']|\(find {name}\)|package://{name}/")
     return any(stem.search(_NAME_OF_CONTENT.sub("", text)) for text in texts if not _ROBOT.search(text))
 
 

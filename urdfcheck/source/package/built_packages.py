@@ -1,13 +1,16 @@
-"""Packages that have the name of another one, as a build tool sees them."""
+"""Packages as a build tool sees them: which ones it leaves out, and which have the name of another one."""
 
 from __future__ import annotations
 
 import os
 import re
 from collections.abc import Sequence
+from itertools import takewhile
 from pathlib import Path
 
+from urdfcheck.source.package.finder import PackageFinder
 from urdfcheck.source.package.package_folders import BUILD_FOLDERS, IGNORE_MARKS
+from urdfcheck.source.project_folders import is_shared_by_all, list_shared_folders
 from urdfcheck.system.files import read_regular
 
 # Folders that colcon and catkin do not search.
@@ -18,6 +21,19 @@ _SERIES = re.compile(
     re.IGNORECASE,
 )
 _GIT_FOLDER = re.compile(r"gitdir:\s*([^\0\n]+?)[/\\]worktrees[/\\]")
+
+
+def is_out_of_build(folder: Path, finder: PackageFinder | None) -> bool:
+    """Whether a package of the repository is inside another one, or a mark at it or above it says that it is not built.
+
+    ``folder``: the package's.
+    """
+    if _is_inside_another(folder, finder):
+        return True
+    top = None if finder is None else finder.find_repository()
+    folder, around = folder.absolute(), takewhile(lambda outer: outer != top, folder.absolute().parents)
+    levels = [folder] if top is None else [folder, *around]
+    return any(os.path.lexists(level / mark) for level in levels for mark in IGNORE_MARKS)
 
 
 def select_rivals(own: Path, folders: Sequence[Path]) -> list[Path]:
@@ -47,6 +63,19 @@ def are_in_one_workspace(folders: Sequence[Path]) -> bool:
     """Whether packages are beside each other or below one folder ``src``; others may be copies that are built alone."""
     absolute = [folder.absolute() for folder in folders]
     return len({folder.parent for folder in absolute}) == 1 or "src" in Path(os.path.commonpath(absolute)).parts
+
+
+def _is_inside_another(folder: Path, finder: PackageFinder | None) -> bool:
+    """Whether a package is in the folder of another one of the repository: build tools and rosdep do not look there.
+
+    A manifest at the top of the repository does not count: its other packages are probably copied from there, each by itself.
+    """
+    if finder is None:
+        return False
+    top, shared = finder.find_repository(), list_shared_folders()
+    around = takewhile(lambda outer: outer != top and not is_shared_by_all(outer, shared), folder.absolute().parents)
+    manifests = (outer / "package.xml" for outer in around)
+    return any(finder.can_open(manifest) and manifest.is_file() for manifest in manifests)
 
 
 def _has_series_number(parts: Sequence[str]) -> bool:
